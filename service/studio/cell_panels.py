@@ -12,6 +12,7 @@ from service.studio.editing.edit_panel import EditPanel
 from service.studio.editing.overlay_panel import OverlayPanel
 from service.studio.forms.options_panel import OptionsPanel
 from service.studio.goals.goal_panel import GoalPanel
+from service.studio.motions.side_by_side import SideBySide
 from service.studio.plans.plan_table import PlanTable
 from service.studio.robots.live import LiveRobots
 
@@ -41,6 +42,7 @@ class Listeners:
 
     Attributes:
         on_plan: Called with a plan that was chosen from the table.
+        on_beside: Called once other plans are to be shown beside it.
         on_goal: Called when the person at the browser asks for another goal.
         on_edit: Called once the scene is another one.
         on_fault: Is told what goes wrong.
@@ -48,6 +50,7 @@ class Listeners:
     """
 
     on_plan: Callable[[Mapping[str, Any]], None]
+    on_beside: Callable[[], None]
     on_goal: Callable[[], None]
     on_edit: Callable[[], None]
     on_fault: Callable[[Exception], None]
@@ -81,8 +84,9 @@ class CellPanels:
             self._overlays = OverlayPanel(gui, cell)
         with places.goal:
             self.goals = GoalPanel(gui, cell, words, self._see_goal, on_fault)
+        self.beside = SideBySide(cell, listeners.on_beside, on_fault)
         with places.plans:
-            self.plans = PlanTable(gui, cell, on_plan, on_fault)
+            self.plans = PlanTable(gui, cell, self.beside, on_plan, on_fault)
         self._live = LiveRobots(cell, live, self._see_edit, listeners.on_presence)
         self._options = OptionsPanel(gui, places.options, cell, words, on_fault)
 
@@ -107,7 +111,8 @@ class CellPanels:
     def close(self) -> None:
         """Take the panels away."""
         self._live.close()
-        for panel in (self._edits, self._overlays, self.plans, self.goals, self._options):
+        several = (self._edits, self._overlays, self.plans, self.goals, self._options)
+        for panel in (*several, self.beside):
             panel.close()
 
     def _see_goal(self) -> None:

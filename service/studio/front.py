@@ -19,7 +19,7 @@ from starlette.responses import HTMLResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from service.studio.watch import SCRIPT
+from service.studio import emptied, watch
 
 HOST_HEADER = "X-Studio-Host"
 TOKEN_HEADER = "X-Studio-Token"  # noqa: S105  (its name)
@@ -130,7 +130,7 @@ def _read_page() -> str:
     text = page.read_text(encoding="utf-8").replace(_VISER_TITLE, _TITLE, 1)
     text = _VISER_ICON.sub(lambda _: _ICON, text, count=1)
     head, end, rest = text.rpartition("</body>")
-    return f"{head}{SCRIPT}{end}{rest}"
+    return f"{head}{watch.SCRIPT}{emptied.SCRIPT}{end}{rest}"
 
 
 async def _to_studio(browser: WebSocket, send: Callable[[bytes], Awaitable[None]]) -> None:

@@ -44,4 +44,5 @@ class Newest:
             try:
                 work()
             except Exception as fault:  # noqa: BLE001  (told to the person at the browser)
-                self._on_fault(fault)
+                if not self._is_closed:  # what it was for is gone, and so are its places
+                    self._on_fault(fault)

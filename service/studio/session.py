@@ -184,6 +184,7 @@ class Session:
             self._connect(),
             Listeners(
                 self._look_at_plan,
+                self._play_beside,
                 self._motion.note_other_goal,
                 self._motion.look_again,
                 self._tell,
@@ -243,16 +244,31 @@ class Session:
 
     def _look_at_plan(self, job: Mapping[str, Any]) -> None:
         """Show a plan of the table as the motion that can be carried out."""
-        cell = self._cell
-        if cell is None or job["request"]["group"] != cell.group.name:
+        cell, panels = self._cell, self._panels
+        if cell is None or panels is None:
+            return
+        group = job["request"]["group"]
+        if group != cell.group.name:
+            panels.plans.choose(self._motion.plan)
+            self._tell(ValueError(f"The plan is of {group}: choose it as the robot first."))
             return
         self._show_motion(cell, job)
         self._plans.tell_of(job)
 
+    def _play_beside(self) -> None:
+        """Play the plans that are ticked; where none is looked at, look at the newest of them."""
+        panels = self._panels
+        jobs = [] if panels is None else panels.beside.jobs
+        if self._motion.plan is None and jobs:
+            self._look_at_plan(jobs[-1])
+        else:
+            self._motion.play_beside()
+
     def _show_motion(self, cell: Cell, job: Mapping[str, Any]) -> None:
-        self._motion.show(cell, job)
-        if self._panels is not None:
-            self._panels.plans.choose(job["id"])
+        panels = self._panels
+        if panels is not None:
+            self._motion.show(cell, job, panels.beside)
+            panels.plans.choose(job["id"])
 
     def _execute(self) -> None:
         self._motion.execute()

@@ -109,6 +109,20 @@ class SceneView:
                 self._layers["ghost"] = self._draw("ghost", moving, paint)
             self._place("ghost", poses)
 
+    def show_beside(
+        self, name: str, poses: Mapping[str, Array] | None, paint: Paint = GHOST
+    ) -> None:
+        """Put a further ghost somewhere, or take it away; each has a name and a paint."""
+        with self._lock:
+            layer = f"beside/{name}"
+            if poses is None:
+                self._remove(layer)
+                return
+            if layer not in self._layers:
+                bodies = {name: self._bodies[name] for name in poses if name in self._bodies}
+                self._layers[layer] = self._draw(layer, bodies, paint)
+            self._place(layer, poses)
+
     def show_others(self, all_poses: Sequence[Mapping[str, Array]]) -> None:
         """Show fainter ghosts beside the ghost, as many as there are poses; none to clear."""
         with self._lock, self._client.atomic():

@@ -27,6 +27,8 @@ _NOTHING = "(choose)"
 _GIZMO = "/edit_gizmo"
 # Where new objects begin, beside what the robot does [m].
 _BESIDE = [0.4, -0.4, 0.3]
+# Of a place that is dragged to [m]: finer than a hand, and its fields have room for it.
+_DECIMALS = 4
 # Files do not say what their numbers mean [m].
 _UNITS = {"metres": 1.0, "millimetres": 0.001, "inches": 0.0254}
 
@@ -128,7 +130,7 @@ class EditPanel:
             self._gizmo.position, self._gizmo.wxyz = tuple(pose[:3]), tuple(pose[3:])
 
     def _pose(self) -> Array:
-        return np.array([*self._gizmo.position, *self._gizmo.wxyz])
+        return np.array([*np.round(self._gizmo.position, _DECIMALS), *self._gizmo.wxyz])
 
     def _drag(self, event: viser.TransformControlsEvent) -> None:
         name = self._name

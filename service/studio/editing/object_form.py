@@ -13,6 +13,8 @@ from service.studio.editing.sizes import sizes_of, with_size
 from service.studio.numbers import Array
 
 _STEP = 0.001
+# Decimals that are shown, and that can be typed: what is finer than them is the same.
+_DIGITS = 6
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*")
 # Of places that are the same: finer than the page lets one type [m or 1].
 _SAME = 1e-6
@@ -51,6 +53,8 @@ class ObjectForm:
             gui.add_number(f"Size {axis} [m]", 0.1, step=_STEP, visible=False)
             for axis in ("1", "2", "3")
         ]
+        for field in (self._position, self._turn, *self._sizes):
+            field.precision = _DIGITS
         for field in (self._name, self._position, self._turn, *self._sizes):
             field.on_update(lambda event: on_change() if event.client else None)
 

@@ -10,6 +10,7 @@ _LINES = (
     ("The view:", "drag to turn, right-drag to shift, wheel to come nearer."),
     ("Blue ghosts:", "where the robot will be: at the goal, or along the motion."),
     ("Red and gray ghosts:", "a pose that collides; other arm poses that reach the goal."),
+    ("Ghosts in other colours:", "plans that are ticked in Plans; they move along."),
     ("Drag the goal:", "choose the goal 'drag the tool', then pull the arrows at the tool."),
     (
         "Proven:",

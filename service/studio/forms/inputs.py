@@ -14,6 +14,8 @@ from service.studio.forms.words import label_of, read, spoken, written
 # Beyond a lower bound that is excluded: the nearest that the page lets one type.
 _ABOVE = 1e-6
 _STEP = 0.001
+# Decimals that are shown, and that can be typed: viser takes as many as the first value has.
+_DIGITS = 6
 # What numbers without a default begin with, where the bounds allow it.
 _FIRST, _FIRST_WHOLE = 0.1, 10
 
@@ -85,6 +87,8 @@ class NumberInput(Single):
                 step=1 if field.is_whole else _STEP,
                 hint=field.text,
             )
+            if not field.is_whole:
+                handle.precision = max(handle.precision, _DIGITS)
         super().__init__(handle, on_change)
 
     @override
@@ -104,7 +108,15 @@ class VectorInput(Single):
         self._lower = _lowest(field)
         least = _FIRST if field.excludes_lower else 0.0
         first = field.default or [max(least, self._lower or 0.0)] * 3
-        handle = gui.add_vector3(label_of(field), np.array(first), step=_STEP, hint=field.text)
+        handle = gui.add_vector3(
+            label_of(field),
+            np.array(first),
+            min=self._bound(self._lower),
+            max=self._bound(field.upper),
+            step=_STEP,
+            hint=field.text,
+        )
+        handle.precision = max(handle.precision, _DIGITS)
         super().__init__(handle, on_change)
 
     @override
@@ -114,6 +126,10 @@ class VectorInput(Single):
     @override
     def fill(self, value: Any) -> None:
         self._handle.value = tuple(map(float, value))
+
+    @staticmethod
+    def _bound(bound: float | None) -> tuple[float, float, float] | None:
+        return None if bound is None else (bound, bound, bound)
 
 
 class WrittenInput(Single):

@@ -1,5 +1,6 @@
 """MotionPanel: a planned motion: play, time slider, proof, curves, the tool's trace."""
 
+import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -16,6 +17,8 @@ from service.studio.motions.plot import Plot
 from service.studio.motions.proof_badge import ProofBadge
 from service.studio.motions.proof_panel import ProofPanel
 from service.studio.motions.series import Curves
+from service.studio.motions.side_by_side import SideBySide
+from service.studio.motions.time_slider import TimeSlider
 from service.studio.motions.trace import (
     BY_CLEARANCE,
     BY_LIMIT,
@@ -41,6 +44,7 @@ class MotionPanel:
         gui: viser.GuiApi,
         cell: Cell,
         motion: Motion,
+        beside: SideBySide,
         on_verdict: Callable[[], None],
         on_fault: Callable[[Exception], None],
     ) -> None:
@@ -50,24 +54,23 @@ class MotionPanel:
             gui: Where it is shown, in the container that is open.
             cell: The scene.
             motion: Planned in it.
+            beside: Other motions, which move along.
             on_verdict: Called once it was proven, or refuted, in a newer revision of the scene.
             on_fault: Is told what goes wrong.
         """
-        self.motion = motion
+        self.motion, self._beside = motion, beside
         self._cell, self._looks = cell, Newest(on_fault)
         self._is_shown = True
         self._nearness: Nearness | None = None
         self._trace: viser.SceneNodeHandle | None = None
+        self._lock, self._is_closed = threading.Lock(), False
         self._mark = NearestMark(cell.client.scene)
         self._num_pictures = 0
         self._player = Player(motion.duration, self._follow)
         self.badge = ProofBadge(gui, cell, motion.job, on_verdict, on_fault)
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
-        last = round(motion.duration, 3)
-        ends = ((0.0, "0"), (last, f"{last:.2f}"))  # short, for the page cuts the last one
-        self._slider = gui.add_slider("Time [s]", 0.0, last, 0.001, 0.0, marks=ends)
+        self._slider = TimeSlider(gui, motion.duration, self._seek)
         self._play.on_click(lambda _: self.toggle())
-        self._slider.on_update(lambda event: self._seek() if event.client else None)
         ProofPanel(gui, motion.certificate["checks"], self._go_to)
         with gui.add_folder("Over time") as folder:
             self._kind: Any = gui.add_dropdown("Curves", (*motion.series.curves, _CLEARANCE))
@@ -79,6 +82,7 @@ class MotionPanel:
         self._color.on_update(lambda _: self._draw_trace())
         self._draw_trace()
         self._looks.ask(self._look)
+        self._reach()
         self.toggle()
 
     def toggle(self) -> None:
@@ -89,6 +93,16 @@ class MotionPanel:
         self._cell.view.mark_pairs([], {})
         self._play.label, self._play.icon = "Pause", viser.Icon.PLAYER_PAUSE
         self._player.play(self._slider.value, self._end)
+
+    def play_beside(self) -> None:
+        """Play all motions from the start, once others are beside; with none, show this one."""
+        self._player.stop()
+        self._reach()
+        if not self._beside.jobs:
+            self._seek()
+            return
+        self._slider.value = 0.0
+        self.toggle()
 
     def show_place(self, time: float, pair: Mapping[str, Any]) -> None:
         """Go to a time, and mark two bodies that meet then.
@@ -109,6 +123,7 @@ class MotionPanel:
         self._player.stop()
         self._is_shown = False
         self._mark.hide()
+        self._beside.hide()
         self._slider.value = 0.0
         self._plot.move_cursor(0.0)
 
@@ -125,31 +140,44 @@ class MotionPanel:
         self._is_shown = False
         self._looks.close()
         self.badge.close()
+        self._beside.hide()
         self._mark.hide()
-        if self._trace is not None:
-            self._trace.remove()
-            self._trace = None
+        with self._lock:  # it may be drawn just now, by what was measured
+            self._is_closed = True
+            if self._trace is not None:
+                self._trace.remove()
+
+    def _reach(self) -> None:
+        """Have the time end with the longest motion: this one, or one beside it."""
+        end = max(self.motion.duration, self._beside.duration(self.motion.plan))
+        self._player.duration = end
+        self._slider.reach(end)
+
+    def _move_cursor(self, time: float) -> None:
+        """Put the cursor to a time; curves end with this motion."""
+        self._plot.move_cursor(min(time, self.motion.duration))
 
     def _end(self) -> None:
         self._play.label, self._play.icon = "Play", viser.Icon.PLAYER_PLAY
-        self._plot.move_cursor(self._slider.value)
+        self._move_cursor(self._slider.value)
 
     def _follow(self, time: float) -> None:
         self._slider.value = time
         self._num_pictures += 1
         if self._num_pictures % _PICTURES_PER_CURSOR == 0:
-            self._plot.move_cursor(time)
+            self._move_cursor(time)
         self._show(time)
 
     def _seek(self) -> None:
         self._player.stop()
         self._cell.view.mark_pairs([], {})
-        self._plot.move_cursor(self._slider.value)
+        self._move_cursor(self._slider.value)
         self._show(self._slider.value)
 
     def _show(self, time: float) -> None:
         self._is_shown = True
         self._cell.view.show_ghost(self.motion.at(time))
+        self._beside.show(time, self.motion.plan)
         self._mark.show(None if self._nearness is None else self._nearness.at(time))
 
     def _go_to(self, check: Mapping[str, Any]) -> None:
@@ -188,7 +216,9 @@ class MotionPanel:
                 far if found is None else np.interp(self.motion.times, found.times, found.clearance)
             )
             colors = clearance_colors(gap)
-        self._trace = self._cell.view.draw_trace("plan", tool, colors)
+        with self._lock:
+            if not self._is_closed:
+                self._trace = self._cell.view.draw_trace("plan", tool, colors)
 
     def _curves(self) -> tuple[Array, Curves]:
         series, kind = self.motion.series, self._kind.value

@@ -8,7 +8,11 @@ _RATE = 24.0
 
 
 class Player:
-    """Plays from a time to the end, in a thread of its own."""
+    """Plays from a time to the end, in a thread of its own.
+
+    Attributes:
+        duration: Where it ends [s].
+    """
 
     def __init__(self, duration: float, on_time: Callable[[float], None]) -> None:
         """Stand at the start.
@@ -17,7 +21,7 @@ class Player:
             duration: Where it ends [s].
             on_time: Called with each time that is to be shown, from the thread.
         """
-        self._duration, self._on_time = duration, on_time
+        self.duration, self._on_time = duration, on_time
         self._thread: threading.Thread | None = None
         self._stop = threading.Event()
         self._stop.set()
@@ -35,7 +39,7 @@ class Player:
             on_end: Called when it has come to its end, or was stopped.
         """
         self._stop.clear()
-        begin = 0.0 if time >= self._duration - 1.0 / _RATE else time
+        begin = 0.0 if time >= self.duration - 1.0 / _RATE else time
         self._thread = threading.Thread(target=self._run, args=(begin, on_end), daemon=True)
         self._thread.start()
 
@@ -46,8 +50,8 @@ class Player:
             self._thread.join()
 
     def _run(self, time: float, on_end: Callable[[], None]) -> None:
-        while not self._stop.wait(1.0 / _RATE) and time < self._duration:
-            time = min(self._duration, time + 1.0 / _RATE)
+        while not self._stop.wait(1.0 / _RATE) and time < self.duration:
+            time = min(self.duration, time + 1.0 / _RATE)
             self._on_time(time)
         self._stop.set()
         on_end()

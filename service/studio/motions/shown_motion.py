@@ -11,6 +11,7 @@ from service.studio.api import evidence_of
 from service.studio.cell import Cell
 from service.studio.motions.motion import load_motion
 from service.studio.motions.motion_panel import MotionPanel
+from service.studio.motions.side_by_side import SideBySide
 from service.studio.plans.failure_view import place_of
 from service.studio.robots.robot_panel import RobotPanel
 
@@ -45,17 +46,28 @@ class ShownMotion:
         """Id of the plan whose motion is shown."""
         return None if self._panel is None else self._panel.motion.plan
 
-    def show(self, cell: Cell, job: Mapping[str, Any]) -> None:
-        """Show the motion of a plan that succeeded, in place of the one before."""
+    def show(self, cell: Cell, job: Mapping[str, Any], beside: SideBySide) -> None:
+        """Show the motion of a plan that succeeded, in place of the one before.
+
+        Args:
+            cell: The scene.
+            job: The plan, with its result.
+            beside: Other motions of the scene, which move along.
+        """
         self.close()
         cell.view.mark_pairs([], {})
         motion = load_motion(cell.api, cell.scene.id, cell.group, job, cell.view.moving)
         with self._place:
             self._folder = self._gui.add_folder(_LABEL)
         with self._folder:
-            self._panel = MotionPanel(self._gui, cell, motion, self._offer, self._on_fault)
+            self._panel = MotionPanel(self._gui, cell, motion, beside, self._offer, self._on_fault)
         self._cell = cell
         self._offer()
+
+    def play_beside(self) -> None:
+        """Play the motion with those that are beside it."""
+        if self._panel is not None:
+            self._panel.play_beside()
 
     def execute(self) -> None:
         """Carry the motion out; where the server refuses it, show when, and which bodies meet."""

@@ -9,17 +9,20 @@ import viser
 
 from service.studio import texts
 from service.studio.cell import Cell
+from service.studio.motions.side_by_side import Companion, SideBySide
 from service.studio.newest import Newest
 from service.studio.numbers import Array
+from service.studio.plans.ticks import PlanTicks
 
 _MOST = 8
+# None is the blue of the ghost: that is the plan that is looked at.
 _COLORS = (
-    (29, 111, 184),
     (224, 122, 31),
+    (42, 157, 143),
+    (217, 39, 190),
+    (140, 109, 70),
     (122, 92, 199),
     (194, 50, 91),
-    (42, 157, 143),
-    (140, 109, 70),
     (75, 85, 99),
     (181, 162, 27),
 )
@@ -78,6 +81,7 @@ class PlanTable:
         self,
         gui: viser.GuiApi,
         cell: Cell,
+        beside: SideBySide,
         on_choose: Callable[[Mapping[str, Any]], None],
         on_fault: Callable[[Exception], None],
     ) -> None:
@@ -86,10 +90,11 @@ class PlanTable:
         Args:
             gui: Where it is shown, in the container that is open.
             cell: The scene.
+            beside: Shows the plans that are ticked.
             on_choose: Called with the plan that was chosen.
             on_fault: Is told what goes wrong.
         """
-        self._cell, self._on_choose = cell, on_choose
+        self._cell, self._beside, self._on_choose = cell, beside, on_choose
         self._newest = Newest(on_fault)
         self._rows: dict[str, PlanRow] = {}
         self._shown: list[str] = []
@@ -100,6 +105,7 @@ class PlanTable:
             self._table = gui.add_html(texts.told("There is none yet."))
             self._chosen: Any = gui.add_dropdown("Look at", (_NONE,), visible=False)
             self._paths = gui.add_checkbox("Paths", initial_value=True)
+            self._ticks = PlanTicks(gui, self._show_beside, self._show_beside)
         self._chosen.on_update(lambda event: self._choose() if event.client else None)
         self._paths.on_update(lambda _: self._show_paths())
         self.renew()
@@ -148,6 +154,7 @@ class PlanTable:
         self._chosen.options = (_NONE, *map(self.name_of, names))
         self._show_choice()
         self._chosen.visible = True
+        self._ticks.renew({name: self.name_of(name) for name in reversed(names)})
         self._show_paths()
 
     def _draw(self, name: str, row: PlanRow) -> None:
@@ -177,6 +184,10 @@ class PlanTable:
         for trace in self._traces.values():
             trace.visible = bool(self._paths.value)
 
+    def _show_beside(self) -> None:
+        rows = [self._rows[plan] for plan in self._ticks.ticked]
+        self._beside.choose([Companion(row.job, row.color) for row in rows])
+
     def _choose(self) -> None:
         chosen = self._chosen.value
         for row in self._rows.values():
@@ -199,6 +210,6 @@ def table_of(rows: list[PlanRow], newest: int) -> str:
         + f'<td style="text-align:right">{row.proof(newest)}</td></tr>'
         for row in rows
     )
-    told = f"The scene is at revision {newest}. To compare plans, look at one after the other."
+    told = f"The scene is at revision {newest}. Plans that are ticked below move side by side."
     table = f'<table style="width:100%"><tr>{head}</tr>{body}</table>'
     return texts.boxed(f'{table}<span style="color:{texts.COLORS["plain"]}">{told}</span>')

@@ -12,6 +12,7 @@ def person(real_server):
     with studio(real_server.url) as opened:
         opened.set("Add", "box")
         opened.reads("^revision 2: add box_1")
+        opened.server = real_server
         yield opened
 
 
@@ -58,6 +59,16 @@ def test_the_gizmo_of_an_object_goes_while_a_goal_is_looked_for(person):
     assert not gizmo.visible
     assert person.gizmo("/gizmo").visible
     until(lambda: any("arm pose" in plain(line) for line in person.says))
+
+
+def test_a_place_that_is_dragged_to_is_the_one_that_is_shown(person):
+    person.drag(person.gizmo("/edit_gizmo"), (0.41234567, -0.30001, 0.25))
+    person.reads("^revision 3: move box_1$")
+    assert value(person, "Position [m]") == (0.4123, -0.3, 0.25)
+    newest = person.server.ask("GET", "/v1/scenes")["items"][0]["id"]
+    document = person.server.ask("GET", f"/v1/scenes/{newest}")["document"]
+    (box,) = [entry for entry in document["objects"] if entry["name"] == "box_1"]
+    assert tuple(box["pose"]["position"]) == (0.4123, -0.3, 0.25)
 
 
 def test_only_what_was_asked_last_is_done_and_once():
