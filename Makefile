@@ -34,7 +34,7 @@ GENERATORS := build/generators
 NODE_VERSION := 22.20.0
 
 .PHONY: demo test clients costs check format lint imports types docs spell tidy drake-only ray rerun shapes golden record campaign sanitize setup lock \
-        bench bench-cars bench-execution bench-kernel bench-loading bench-mbm bench-regions bench-retime bench-seeds bench-service \
+        bench bench-cars bench-execution bench-kernel bench-loading bench-mbm bench-peers bench-regions bench-retime bench-seeds bench-service \
         chaos soak pictures serve clean
 
 setup: $(STAMP)
@@ -200,6 +200,14 @@ bench-kernel: setup
 bench-mbm: setup
 	@$(PYTHON) benchmarks/mbm.py
 
+# The same problems beside planners that install from a wheel, in turns, in this run.
+bench-peers: setup build/peers/.ready
+	@$(PYTHON) benchmarks/mbm.py --refine none,trajopt --drake 0 --peers roboplan
+
+build/peers/.ready: benchmarks/motion_bench_maker/peers/roboplan.lock
+	@set -e; rm -rf build/peers; $(PYTHON) -m venv build/peers; \
+	build/peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r $<; touch $@
+
 bench-cars: setup
 	@$(PYTHON) benchmarks/cars.py
 
@@ -246,7 +254,9 @@ lock:
 	  $(PYTHON) -c "import tomllib; print(*tomllib.load(open('pyproject.toml', 'rb'))['project']['optional-dependencies']['$$EXTRA'])" | \
 	  "$$UV" pip compile - -c requirements.lock --universal --python-version 3.12 --generate-hashes --no-emit-index-url \
 	    --no-header --no-annotate --quiet -o requirements-$$EXTRA.lock || exit 1; \
-	done
+	done; \
+	echo roboplan==0.7.0 | "$$UV" pip compile - --universal --python-version 3.12 --generate-hashes --no-emit-index-url \
+	  --no-header --no-annotate --quiet -o benchmarks/motion_bench_maker/peers/roboplan.lock
 
 clean:
 	rm -rf $(VENV) .uv .pytest_cache .ruff_cache .hypothesis out

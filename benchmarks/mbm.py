@@ -18,6 +18,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 METHODS = ("none", "trajopt", "auto", "drake")
+PEERS = ("roboplan",)
+# `make bench-peers` installs them there.
+PEER_PYTHON = ROOT / "build" / "peers" / "bin" / "python"
 OBJECTIVES = ("duration", "smoothness", "energy", "path_length", "max_duration")
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "DRAKE_NUM_THREADS")
 
@@ -33,11 +36,12 @@ def run(options: argparse.Namespace, core: int) -> None:
     sys.path.insert(0, str(ROOT))
     # numpy and Drake look at cores and threads when they are imported: only now.
     from benchmarks.motion_bench_maker.command import bench  # noqa: PLC0415
+    from benchmarks.motion_bench_maker.peers.process import PeerMissing  # noqa: PLC0415
     from benchmarks.motion_bench_maker.problems import DataMissing  # noqa: PLC0415
 
     try:
         bench(options, core)
-    except DataMissing as fault:
+    except (DataMissing, PeerMissing) as fault:
         sys.exit(f"mbm.py: {fault}")
 
 
@@ -88,6 +92,20 @@ def parser() -> argparse.ArgumentParser:
         default=14,
         metavar="N",
         help="plan the first N again with the kernel off, for the ratio (default 14; 0: do not)",
+    )
+    reader.add_argument(
+        "--peers",
+        nargs="+",
+        choices=PEERS,
+        default=(),
+        help="other planners: each plans every problem after ours, in its own process, on our core",
+    )
+    reader.add_argument(
+        "--peer-python",
+        type=Path,
+        default=PEER_PYTHON,
+        metavar="FILE",
+        help="an interpreter that has them (default: build/peers, made by make bench-peers)",
     )
     reader.add_argument("--json", action="store_true", help="print one JSON object, nothing else")
     return reader

@@ -5,11 +5,15 @@ import json
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 from benchmarks.motion_bench_maker.bounds import print_bounds
 from benchmarks.motion_bench_maker.comparison import print_comparison
-from benchmarks.motion_bench_maker.peers import print_peers
+from benchmarks.motion_bench_maker.peers.earlier import print_peers
+from benchmarks.motion_bench_maker.peers.roboplan import roboplan_peers
+from benchmarks.motion_bench_maker.peers.side_by_side import peer_documents, print_side_by_side
 from benchmarks.motion_bench_maker.problems import data_folder, read_problems, round_robin
 from benchmarks.motion_bench_maker.robots import ROBOTS, robot_files, robot_library
 from benchmarks.motion_bench_maker.runs import Bench, Method, Runs
@@ -32,6 +36,7 @@ def bench(options: argparse.Namespace, core: int, clock: Callable[[], float] | N
 
     Raises:
         DataMissing: The problems or the robot are not where they should be.
+        PeerMissing: A planner that was asked for is not installed.
     """
     file = options.problems or data_folder() / f"problems_{options.robot}.json"
     problems = round_robin(read_problems(file, options.robot))[: options.limit]
@@ -39,18 +44,23 @@ def bench(options: argparse.Namespace, core: int, clock: Callable[[], float] | N
     if options.jerk:
         spec = spec.with_jerk(options.jerk)
     files = robot_files(options.models or data_folder() / "models", spec)
-    with tempfile.TemporaryDirectory() as folder:
+    with ExitStack() as stack:
+        folder = stack.enter_context(tempfile.TemporaryDirectory())
+        peers = ()
+        if "roboplan" in options.peers:
+            peers = roboplan_peers(stack, options.peer_python, files, options.clock)
         library = robot_library(files, problems[0].joints, Path(folder))
         methods: list[Method] = list(options.refine)
         clock = clock or _CLOCKS[options.clock]
-        arm = Bench(files, library, tuple(methods), clock, _objective(options.objective))
+        arm = Bench(files, library, tuple(methods), clock, _objective(options.objective), peers)
         arm.run_all(problems[:1], GOALS, kernel=True)  # warms up, not counted
         done = arm.run_all(problems, GOALS, kernel=True)
         count = options.drake if len(methods) == 1 else 0
-        drake, note = _drake_only(arm, done, count)
+        drake, note = _drake_only(replace(arm, peers=()), done, count)
     if options.json:
         by_method = {name: document(done.of_method(name), drake) for name in methods}
-        print(json.dumps(by_method if len(methods) > 1 else by_method[methods[0]]))
+        told = by_method if len(methods) > 1 else by_method[methods[0]]
+        print(json.dumps({**told, "peers": peer_documents(done)} if peers else told))
         return
     head = (
         f"{options.robot}, {len(problems)} problems, refine {', '.join(methods)}, objective "
@@ -61,10 +71,12 @@ def bench(options: argparse.Namespace, core: int, clock: Callable[[], float] | N
     )
     if len(methods) > 1:
         print_comparison(done, methods, head)
+        print_side_by_side(done, methods)
         return
     print_tables(done, drake, head, note)
     if methods != ["none"]:
         print_bounds(done)
+    print_side_by_side(done, methods)
     print_peers(done, options.robot, methods[0])
 
 

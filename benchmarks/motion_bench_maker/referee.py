@@ -69,6 +69,37 @@ class Polynomials:
             rows.append(self.bases[i] + (local[:, None] ** powers) @ self.coefficients[i])
         return np.concatenate(rows)
 
+    @classmethod
+    def through(
+        cls, joints: tuple[str, ...], times: Array, positions: Array, velocities: Array
+    ) -> "Polynomials":
+        """Return the cubic Hermite curve of setpoints: it has their positions and velocities.
+
+        Args:
+            joints: Names, in the order of the columns.
+            times: Instants, strictly increasing, shape (n,) [s].
+            positions: Shape (n, nq) [rad].
+            velocities: Shape (n, nq) [rad/s].
+        """
+        h = np.diff(times)[:, None]
+        slope, before, after = np.diff(positions, axis=0) / h, velocities[:-1], velocities[1:]
+        rows = [
+            np.zeros_like(slope),
+            before,
+            (3 * slope - 2 * before - after) / h,
+            (before + after - 2 * slope) / h**2,
+        ]
+        return cls(joints, times, positions[:-1], np.stack(rows, axis=1))
+
+    def velocities(self, instants: Array) -> Array:
+        """Return the velocities at some instants, shape (m, nq) [rad/s]."""
+        last = len(self.bases) - 1
+        pieces = np.clip(np.searchsorted(self.breaks, instants, side="right") - 1, 0, last)
+        local = (instants - self.breaks[pieces])[:, None]
+        powers = np.arange(1, self.coefficients.shape[1])
+        factors = powers * local ** (powers - 1)
+        return np.einsum("mk,mkn->mn", factors, self.coefficients[pieces][:, 1:])
+
 
 class Referee:
     """Judges configurations and motions of one problem."""

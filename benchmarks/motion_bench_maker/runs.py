@@ -4,12 +4,12 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import product
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
-import ruckig
 
 import planning
+from benchmarks.motion_bench_maker.limits import least_duration, peak_rate
 from benchmarks.motion_bench_maker.problems import Problem
 from benchmarks.motion_bench_maker.referee import Polynomials, Referee
 from benchmarks.motion_bench_maker.robots import ARM, RobotFiles, scene_of
@@ -19,8 +19,6 @@ from planning.refine.motion.motion_objectives import MotionObjectives
 ALLOWED_SECONDS = 5.0
 # What a plan's timings also tell: all stages, and parts of the search.
 _NO_STAGES = {"total", "setup", "solve"}
-# Ruckig's cycle [s], which only its online mode uses.
-_CYCLE_TIME = 0.01
 # The tool's pose is asked for exactly.
 _EXACT = np.zeros(3)
 
@@ -48,6 +46,7 @@ class Run:
             slowest joint at full acceleration and speed [s].
         smoothness: Integral over time of its squared accelerations [rad^2/s^3].
         energy: Integral over time of its squared torques [N^2 m^2 s].
+        peak_rate: Of the delivered motion: the largest rate over its limit, see `limits.py`.
         method: Of the refine stage.
         reason: Why that stage did not improve the motion, or used another method's; "" if it did.
     """
@@ -66,6 +65,7 @@ class Run:
     lower_bound: float = 0.0
     smoothness: float = 0.0
     energy: float = 0.0
+    peak_rate: float = 0.0
     method: Method = "none"
     reason: str = ""
 
@@ -84,16 +84,31 @@ class Runs:
         invalid: Those whose start or goal collides in the exact model; they were not planned.
         runs: Of each of the others, one per kind of goal and method.
         load_ms: Time to load each world, counted nowhere else.
+        others: Runs of other planners on the same problems in turns, by their names.
     """
 
     problems: list[Problem]
     invalid: list[Problem]
     runs: list[Run]
     load_ms: list[float]
+    others: dict[str, list[Run]] = field(default_factory=dict[str, list[Run]])
 
     def of_method(self, method: Method) -> "Runs":
         """Return the same with the runs of one method alone."""
         return replace(self, runs=[run for run in self.runs if run.method == method])
+
+
+class Peer(Protocol):
+    """Another planner, with some settings."""
+
+    @property
+    def name(self) -> str:
+        """What its rows are called."""
+        ...
+
+    def run(self, problem: Problem, goal: GoalKind, referee: Referee) -> Run:
+        """Plan a problem and let the referee judge what is delivered."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -106,6 +121,7 @@ class Bench:
         methods: Of the refine stage; each plans every problem, one after another.
         clock: Monotonic seconds: by it plans are timed, and have the time that they are allowed.
         objective: What methods other than "none" minimize; None for the duration.
+        peers: Plan every problem too, after ours.
     """
 
     files: RobotFiles
@@ -113,6 +129,7 @@ class Bench:
     methods: tuple[Method, ...]
     clock: Callable[[], float] = time.monotonic
     objective: planning.RefineObjective | None = None
+    peers: tuple[Peer, ...] = ()
 
     def load(self, problem: Problem, *, kernel: bool) -> planning.World:
         """Return the problem's world, with or without the native kernel."""
@@ -135,6 +152,9 @@ class Bench:
                 done.load_ms.append(1e3 * (self.clock() - began))
                 run = self._run(problem, goal, world, referee, self._options(method))
                 done.runs.append(replace(run, method=method))
+            for goal, peer in product(goals, self.peers):
+                theirs = peer.run(problem, goal, referee)
+                done.others.setdefault(peer.name, []).append(theirs)
         return done
 
     def _options(self, method: Method) -> planning.RefineOptions:
@@ -191,6 +211,7 @@ class Bench:
             ),
             smoothness=costs.smoothness or 0.0,
             energy=costs.energy or 0.0,
+            peak_rate=peak_rate(motion, limits.velocity, limits.acceleration),
             reason=plan.stages.refine.reason,
         )
 
@@ -201,42 +222,6 @@ class Bench:
             return planning.JointGoal(np.array([problem.goal]))
         target = planning.PoseTarget(planning.Pose.from_matrix(referee.goal_pose))
         return planning.PoseGoal((target,), f"robot::{self.files.spec.tool}", _EXACT, _EXACT)
-
-
-def least_duration(
-    moved: np.ndarray,
-    velocity: np.ndarray,
-    acceleration: np.ndarray,
-    jerk: np.ndarray | None = None,
-) -> float:
-    """Return the time of the slowest joint from rest to rest, each by itself.
-
-    Args:
-        moved: From start to goal [rad], shape (n,).
-        velocity: Limits [rad/s], shape (n,).
-        acceleration: Limits [rad/s^2], shape (n,).
-        jerk: Limits [rad/s^3], shape (n,), or None for none.
-    """
-    distance = np.abs(moved)
-    if jerk is not None:
-        return _least_duration_with_jerk(distance, velocity, acceleration, jerk)
-    ramps = 2 * np.sqrt(distance / acceleration)
-    trapezoid = distance / velocity + velocity / acceleration
-    return float(np.where(distance < velocity**2 / acceleration, ramps, trapezoid).max())
-
-
-def _least_duration_with_jerk(
-    distance: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, jerk: np.ndarray
-) -> float:
-    """Return the same by ruckig, which is time-optimal from rest to rest."""
-    count = len(distance)
-    wanted, found = ruckig.InputParameter(count), ruckig.Trajectory(count)
-    wanted.synchronization = ruckig.Synchronization.No
-    wanted.target_position = distance.tolist()
-    wanted.max_velocity, wanted.max_acceleration = velocity.tolist(), acceleration.tolist()
-    wanted.max_jerk = jerk.tolist()
-    ruckig.Ruckig(count, _CYCLE_TIME).calculate(wanted, found)
-    return float(max(found.independent_min_durations))
 
 
 def polynomials_of(plan: planning.MotionPlan) -> Polynomials:

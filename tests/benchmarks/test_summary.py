@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from benchmarks.motion_bench_maker.bounds import print_bounds
-from benchmarks.motion_bench_maker.peers import print_peers
+from benchmarks.motion_bench_maker.limits import least_duration
+from benchmarks.motion_bench_maker.peers.earlier import print_peers
 from benchmarks.motion_bench_maker.problems import Problem, round_robin
-from benchmarks.motion_bench_maker.runs import Run, Runs, least_duration
+from benchmarks.motion_bench_maker.runs import Run, Runs
 from benchmarks.motion_bench_maker.summary import Spread, document, ratio
 
 

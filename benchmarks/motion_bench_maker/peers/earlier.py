@@ -1,6 +1,6 @@
 """Others' figures on the same problems, beside those of a run of ours.
 
-They were measured once, not in this run and not at the same load: `peers.json` says how.
+They were measured once, not in this run and not at the same load: `earlier.json` says how.
 """
 
 import json
@@ -35,6 +35,8 @@ def print_peers(done: Runs, robot: str, refine: str) -> None:
         table.add_column(column, justify="right")
     table.add_row(f"this run, refine {refine}", *_ours(done))
     for row in peers["rows"]:
+        if any(row["name"].startswith(name.partition(" ")[0]) for name in done.others):
+            continue  # its rows are of this run
         table.add_row(row["name"], *_theirs(row))
     Console(width=WIDTH, highlight=False).print(table)
 
