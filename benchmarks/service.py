@@ -1,9 +1,10 @@
 """What the service costs and how much it takes: `wayproof serve`, asked over HTTP as users ask it.
 
 Start of the server; what `?wait` takes besides the plan, one after another and at a steady rate;
-how late events are; polls and plans a second, by locust; plans beside a crowd of clients; durable
-jobs that do nothing; scenes of many boxes, posted and edited, within a time limit; memory. What
-fails or does not end is told as such, and the command ends with 1.
+how late events are; polls and plans a second, by locust; plans of several kinds a second, with what
+processor time they take; plans beside a crowd of clients; durable jobs that do nothing; scenes of
+many boxes, posted and edited, within a time limit; memory. What fails or does not end is told as
+such, and the command ends with 1.
 `docs/explanation/benchmarks.md` says more.
 """
 
@@ -27,6 +28,7 @@ from benchmarks.service_load.measure import Measure, table
 from benchmarks.service_load.memory import memories
 from benchmarks.service_load.noops import noops
 from benchmarks.service_load.rate import rates
+from benchmarks.service_load.throughput import throughput
 
 type Section = Callable[[Host, argparse.Namespace], Iterator[Measure]]
 
@@ -38,6 +40,7 @@ SECTIONS: dict[str, Section] = {
     "rate": lambda host, options: rates(host, options.rate, options.seconds),
     "events": lambda host, options: cancels(host, options.cancels),
     "load": lambda host, options: loads(host, options.users, options.seconds),
+    "throughput": lambda host, options: throughput(host, options.workers, options.seconds),
     "crowd": lambda host, options: crowds(host, options.clients, options.period, options.seconds),
     "jobs": lambda _, options: iter([noops(options.noops, options.slots)]),
     "boxes": lambda host, options: boxes(host, options.boxes, options.limit),

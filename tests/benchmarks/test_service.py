@@ -22,7 +22,7 @@ def test_everything_is_measured(capsys) -> None:
     for one in told:
         assert (one["mebibytes"] or one["ms"]["median"]) > 0, one
         assert one["done"] > 0 or one["what"].startswith("memory")
-    assert len({one["what"] for one in told}) == len(told) == 19
+    assert len({one["what"] for one in told}) == len(told) == 28
 
 
 class Answering(Host):

@@ -1,7 +1,7 @@
 """The studio as a person sees it: what stands there, and what can be clicked."""
 
 import io
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import numpy as np
 import pytest
@@ -55,9 +55,17 @@ class StudioPage:
         self.page.get_by_role("button", name=button, exact=True).last.click()
 
     def choose(self, label, option):
-        """Choose an option of a list."""
-        self.page.get_by_role("combobox", name=label, exact=True).last.click()
-        self.page.get_by_role("option", name=option, exact=True).click()
+        """Choose an option of a list; one that closes while others are drawn is opened again."""
+        from playwright.sync_api import TimeoutError as WaitedInVain
+
+        box = self.page.get_by_role("combobox", name=label, exact=True).last
+        for _ in range(5):
+            box.click()
+            with suppress(WaitedInVain):
+                self.page.get_by_role("option", name=option, exact=True).click(timeout=15_000)
+                return
+            box.press("Escape")
+        pytest.fail(f"{option!r} of {label!r} cannot be chosen")
 
     def options(self, label):
         """What can be chosen from a list."""

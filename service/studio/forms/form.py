@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any, override
 
 import viser
@@ -29,11 +30,13 @@ class Drawing:
         gui: Of one browser.
         words: That may be chosen for a text, by `group.field` or by the field's name.
         on_change: Called when another value was filled in.
+        first: What single values begin with that do not with their default, by `group.field`.
     """
 
     gui: viser.GuiApi
     words: Words
     on_change: Callable[[], None]
+    first: Mapping[str, Any] = MappingProxyType({})
 
     def input(self, field: Field, parent: str = "", *, is_unfolded: bool = False) -> Input:
         """Return an input for a field, shown in the container that is open.
@@ -53,8 +56,12 @@ class Drawing:
             case OneOf():
                 return OneOfInput(self, field)
             case _:
-                known = self.words.get(f"{parent}.{field.name}", self.words.get(field.name, ()))
-                return single(self.gui, field, known, self.on_change)
+                name = f"{parent}.{field.name}"
+                known = self.words.get(name, self.words.get(field.name, ()))
+                made = single(self.gui, field, known, self.on_change)
+                if name in self.first:
+                    made.fill(self.first[name])
+                return made
 
 
 class GroupInput(Input):

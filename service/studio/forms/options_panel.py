@@ -2,7 +2,6 @@
 
 import threading
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from typing import Any
 
 import viser
@@ -12,7 +11,7 @@ from service.studio.cell import Cell
 from service.studio.forms.fields import Group
 from service.studio.forms.form import Drawing, Words
 from service.studio.forms.schema import fields_of
-from service.studio.forms.words import FormError, spoken
+from service.studio.forms.words import spoken
 
 _REQUEST = "PlanRequest"
 # Shown elsewhere: the scene that is looked at, its robot, where it is and where it shall go.
@@ -20,6 +19,7 @@ _ELSEWHERE = frozenset({"scene", "group", "goal", "start", "revision"})
 # A newcomer waits so long for a plan rather than to be told to ask for more time [s].
 PLANNING_TIME = 10.0
 _AT_FIRST: dict[str, Any] = {"search": {"allowed_planning_time": PLANNING_TIME}}
+_FIRST = {f"{group}.{name}": value for group, of in _AT_FIRST.items() for name, value in of.items()}
 _WHERE = "Distance to keep: Margin. Planner and its time: Search. Speed and limits: Retime."
 
 
@@ -88,11 +88,9 @@ class OptionsPanel:
         self._reset = reset = gui.add_button(
             "Back to the defaults", icon=viser.Icon.RESTORE, color=texts.SOFT, disabled=True
         )
-        form = Drawing(gui, self._words, self._look).input(fields, is_unfolded=True)
+        # Each field with its first value: it may be filled in while the others are drawn.
+        form = Drawing(gui, self._words, self._look, _FIRST).input(fields, is_unfolded=True)
         self._parts = [self._told, where, reset, form]
-        with suppress(FormError):  # half written: it stays as it is
-            # Fields were there one by one, for as long as it took: what was filled in stays.
-            form.fill(_with_first(form.value()))
         reset.on_click(lambda _: form.fill(_AT_FIRST))
         self._planning_time = _planning_time(fields)
         self._form = form
@@ -111,11 +109,6 @@ class OptionsPanel:
         told = "all by default" if value == _AT_FIRST else f"otherwise than by default: {changed}"
         self._told.content = texts.told(told)
         self._reset.disabled = value == _AT_FIRST
-
-
-def _with_first(value: Mapping[str, Any]) -> dict[str, Any]:
-    """Return options with what is asked at first, where they do not say otherwise."""
-    return {**value, "search": {**_AT_FIRST["search"], **value.get("search", {})}}
 
 
 def _planning_time(fields: Group) -> float:

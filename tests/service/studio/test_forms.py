@@ -134,7 +134,8 @@ def test_what_is_filled_in_while_the_options_are_drawn_stays(gui, monkeypatch):
     def draw_and_fill(self, field, *parent, **where):
         form = draw(self, field, *parent, **where)
         if isinstance(field, Group) and "seed" in {inner.name for inner in field.fields}:
-            form.fill({"seed": 7, "search": {"planner": "RRTstar"}})
+            form._inputs["seed"].fill(7)
+            form._inputs["search"]._inputs["planner"].fill("RRTstar")
         return form
 
     monkeypatch.setattr(Drawing, "input", draw_and_fill)
