@@ -37,8 +37,13 @@ InverseDynamics::InverseDynamics(const Tree& tree, Group group, std::vector<Iner
 InverseDynamics::Work InverseDynamics::work() const {
   const auto nv = static_cast<std::size_t>(tree_.num_velocities);
   const std::size_t count = tree_.links.size();
-  Work work{group_.state, std::vector<double>(nv), std::vector<double>(nv), std::vector<double>(nv),
-            std::vector<Transform>(count), std::vector<Mat3>(count), std::vector<State>(count, world_)};
+  Work work{group_.state,
+            std::vector<double>(nv),
+            std::vector<double>(nv),
+            std::vector<double>(nv),
+            std::vector<Transform>(count),
+            std::vector<Mat3>(count),
+            std::vector<State>(count, world_)};
   tree_.place(work.q.data(), work.X_WL.data());
   return work;
 }

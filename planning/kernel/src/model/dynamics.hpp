@@ -11,7 +11,7 @@ namespace wayproof {
 // Mass distribution of a link L.
 struct Inertia {
   double mass = 0;
-  Vec3 center;  // p_LLcm
+  Vec3 center;                                     // p_LLcm
   Mat3 about_center{{0, 0, 0, 0, 0, 0, 0, 0, 0}};  // rotational inertia about the centre of mass, in L
 };
 
