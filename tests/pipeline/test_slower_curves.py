@@ -115,11 +115,13 @@ def test_slower_curves_wait_only_for_the_first_refusal(seed: int) -> None:
     """Whatever they cost: the order is that of curves of which all are timed at once."""
     costs = rng_of(seed).uniform(1.0, 2.0, 5)
     names = [REFINED_CURVE, "a", "b", "c", "d"]
+    # Of a motion only its name and its cost count here.
+    none: Any = None
     motions = {
-        name: CandidateMotion(name, *[None] * 4, objective_cost=cost)  # type: ignore[arg-type]
+        name: CandidateMotion(name, none, none, none, none, objective_cost=cost)
         for name, cost in zip(names, costs, strict=True)
     }
-    curves = {n: PathCurve(n, 0.0, None) for n in names[1:]}  # type: ignore[arg-type]
+    curves = {n: PathCurve(n, 0.0, none) for n in names[1:]}
     slower = [c for n, c in curves.items() if motions[n].cost > costs[0]]
     asked: list[str] = []
 
