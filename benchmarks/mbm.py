@@ -18,6 +18,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 METHODS = ("none", "trajopt", "auto", "drake")
+# As `motion_bench_maker/loads.py` has them, which is imported once the process is pinned.
+LOADS = ("none", "torque", "tool", "zone", "all")
 PEERS = ("roboplan",)
 # `make bench-peers` installs them there.
 PEER_PYTHON = ROOT / "build" / "peers" / "bin" / "python"
@@ -87,6 +89,14 @@ def parser() -> argparse.ArgumentParser:
         help="limit every joint to J rad/s^3 and 15 rad/s^2, and time by ruckig",
     )
     reader.add_argument(
+        "--loads",
+        type=_loads,
+        default=("none",),
+        metavar="LOAD,...",
+        help=f"of {', '.join(LOADS)}: torques with 1 kg in the tool, tool speed, a speed zone, all "
+        "at once; several share one table",
+    )
+    reader.add_argument(
         "--drake",
         type=int,
         default=14,
@@ -121,10 +131,19 @@ def _positive(word: str) -> int:
 
 def _methods(word: str) -> tuple[str, ...]:
     """Return the names of a list of methods."""
+    return _names(word, METHODS)
+
+
+def _loads(word: str) -> tuple[str, ...]:
+    """Return the names of a list of loads."""
+    return _names(word, LOADS)
+
+
+def _names(word: str, known: Sequence[str]) -> tuple[str, ...]:
     names = tuple(dict.fromkeys(word.split(",")))
-    unknown = set(names) - set(METHODS)
+    unknown = set(names) - set(known)
     if unknown:
-        message = f"{', '.join(sorted(unknown))}: it must be of {', '.join(METHODS)}"
+        message = f"{', '.join(sorted(unknown))}: it must be of {', '.join(known)}"
         raise argparse.ArgumentTypeError(message)
     return names
 

@@ -7,16 +7,19 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 from benchmarks.motion_bench_maker.bounds import print_bounds
 from benchmarks.motion_bench_maker.comparison import print_comparison
+from benchmarks.motion_bench_maker.loads import Load
 from benchmarks.motion_bench_maker.peers.earlier import print_peers
 from benchmarks.motion_bench_maker.peers.roboplan import roboplan_peers
 from benchmarks.motion_bench_maker.peers.side_by_side import peer_documents, print_side_by_side
 from benchmarks.motion_bench_maker.problems import data_folder, read_problems, round_robin
 from benchmarks.motion_bench_maker.robots import ROBOTS, robot_files, robot_library
-from benchmarks.motion_bench_maker.runs import Bench, Method, Runs
+from benchmarks.motion_bench_maker.runs import Bench, Method, Runs, row_name
 from benchmarks.motion_bench_maker.summary import document
 from benchmarks.motion_bench_maker.table import GOALS, print_tables
 from planning import RefineObjective
@@ -52,25 +55,28 @@ def bench(options: argparse.Namespace, core: int, clock: Callable[[], float] | N
         library = robot_library(files, problems[0].joints, Path(folder))
         methods: list[Method] = list(options.refine)
         clock = clock or _CLOCKS[options.clock]
-        arm = Bench(files, library, tuple(methods), clock, _objective(options.objective), peers)
+        loads = tuple(options.loads)
+        weights = _objective(options.objective)
+        arm = Bench(files, library, tuple(methods), clock, weights, peers, loads)
         arm.run_all(problems[:1], GOALS, kernel=True)  # warms up, not counted
         done = arm.run_all(problems, GOALS, kernel=True)
-        count = options.drake if len(methods) == 1 else 0
+        is_compared = len(methods) * len(loads) > 1
+        count = 0 if is_compared else options.drake
         drake, note = _drake_only(replace(arm, peers=()), done, count)
     if options.json:
-        by_method = {name: document(done.of_method(name), drake) for name in methods}
-        told = by_method if len(methods) > 1 else by_method[methods[0]]
+        told = _documents(done, methods, loads, drake)
         print(json.dumps({**told, "peers": peer_documents(done)} if peers else told))
         return
     head = (
         f"{options.robot}, {len(problems)} problems, refine {', '.join(methods)}, objective "
-        f"{_described(options.objective)}, jerk {options.jerk or 'not limited'}, core {core}, "
+        f"{_described(options.objective)}, jerk {options.jerk or 'not limited'}, loads "
+        f"{', '.join(loads)}, core {core}, "
         f"{options.clock} clock, "
         f"kernel {kernel_name()}; the "
         "first plans of the process warmed up and are not counted; failed plans count in total"
     )
-    if len(methods) > 1:
-        print_comparison(done, methods, head)
+    if is_compared:
+        print_comparison(done, methods, head, loads)
         print_side_by_side(done, methods)
         return
     print_tables(done, drake, head, note)
@@ -78,6 +84,17 @@ def bench(options: argparse.Namespace, core: int, clock: Callable[[], float] | N
         print_bounds(done)
     print_side_by_side(done, methods)
     print_peers(done, options.robot, methods[0])
+
+
+def _documents(
+    done: Runs, methods: list[Method], loads: tuple[Load, ...], drake: Runs | None
+) -> dict[str, Any]:
+    """Return a document for each method, for each load if there are several, or the only one."""
+    by_name = {
+        row_name(method, load): document(done.of_method(method).of_load(load), drake)
+        for method, load in product(methods, loads)
+    }
+    return by_name if len(by_name) > 1 else next(iter(by_name.values()))
 
 
 def _described(weights: dict[str, float] | None) -> str:

@@ -1,13 +1,15 @@
-"""Methods of refinement side by side, on the same problems in the same run."""
+"""Methods of refinement and loads side by side, on the same problems in the same run."""
 
 from collections import Counter
 from collections.abc import Sequence
+from itertools import product
 
 from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.motion_bench_maker.runs import Method, Run, Runs
+from benchmarks.motion_bench_maker.loads import Load
+from benchmarks.motion_bench_maker.runs import Method, Run, Runs, row_name
 from benchmarks.motion_bench_maker.summary import Spread, of_goal, stage_times
 from benchmarks.motion_bench_maker.table import GOALS, WIDTH, print_faults, spread_cell
 
@@ -23,15 +25,17 @@ _SPREADS = (
 )
 
 
-def print_comparison(done: Runs, methods: Sequence[Method], head: str) -> None:
-    """Print a table per kind of goal, a row per method; and what failed, and why."""
+def print_comparison(
+    done: Runs, methods: Sequence[Method], head: str, loads: Sequence[Load] = ("none",)
+) -> None:
+    """Print a table per kind of goal, a row per method and load; and what failed, and why."""
     console = Console(width=WIDTH, highlight=False)
     console.print(head)
     for goal in GOALS:
         if not (runs := of_goal(done.runs, goal)):
             continue
         table = Table(
-            title=f"{goal} goals: median / mean / p95 of the problems that every method solved",
+            title=f"{goal} goals: median / mean / p95 of the problems that every row solved",
             title_justify="left",
             box=SIMPLE,
             pad_edge=False,
@@ -39,18 +43,20 @@ def print_comparison(done: Runs, methods: Sequence[Method], head: str) -> None:
         table.add_column("refine")
         for column in (*_COUNTS, *_SPREADS):
             table.add_column(column, justify="right")
-        common = _solved_by_all(runs, methods)
-        for method in methods:
-            table.add_row(method, *_cells([r for r in runs if r.method == method], common))
+        rows = list(product(methods, loads))
+        common = _solved_by_all(runs, len(rows))
+        for method, load in rows:
+            members = [run for run in runs if (run.method, run.load) == (method, load)]
+            table.add_row(row_name(method, load), *_cells(members, common))
         console.print(table)
     _print_reasons(console, done, methods)
     print_faults(console, done)
 
 
-def _solved_by_all(runs: Sequence[Run], methods: Sequence[Method]) -> set[str]:
-    """Return the names of the problems that all methods solved."""
+def _solved_by_all(runs: Sequence[Run], num_rows: int) -> set[str]:
+    """Return the names of the problems that were solved in all rows."""
     counts = Counter(run.problem.name for run in runs if run.solved)
-    return {name for name, count in counts.items() if count == len(methods)}
+    return {name for name, count in counts.items() if count == num_rows}
 
 
 def _cells(runs: Sequence[Run], common: set[str]) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ import numpy as np
 
 import planning
 from benchmarks.motion_bench_maker.limits import least_duration, peak_rate
+from benchmarks.motion_bench_maker.loads import Load, retime_options
 from benchmarks.motion_bench_maker.problems import Problem
 from benchmarks.motion_bench_maker.referee import Polynomials, Referee
 from benchmarks.motion_bench_maker.robots import ARM, RobotFiles, scene_of
@@ -49,6 +50,7 @@ class Run:
         peak_rate: Of the delivered motion: the largest rate over its limit, see `limits.py`.
         method: Of the refine stage.
         reason: Why that stage did not improve the motion, or used another method's; "" if it did.
+        load: What the motion was planned under beside limits of single joints.
     """
 
     problem: Problem
@@ -68,6 +70,7 @@ class Run:
     peak_rate: float = 0.0
     method: Method = "none"
     reason: str = ""
+    load: Load = "none"
 
     @property
     def solved(self) -> bool:
@@ -97,6 +100,10 @@ class Runs:
         """Return the same with the runs of one method alone."""
         return replace(self, runs=[run for run in self.runs if run.method == method])
 
+    def of_load(self, load: Load) -> "Runs":
+        """Return the same with the runs under one load alone."""
+        return replace(self, runs=[run for run in self.runs if run.load == load])
+
 
 class Peer(Protocol):
     """Another planner, with some settings."""
@@ -122,6 +129,7 @@ class Bench:
         clock: Monotonic seconds: by it plans are timed, and have the time that they are allowed.
         objective: What methods other than "none" minimize; None for the duration.
         peers: Plan every problem too, after ours.
+        loads: Under each of these every method plans.
     """
 
     files: RobotFiles
@@ -130,6 +138,7 @@ class Bench:
     clock: Callable[[], float] = time.monotonic
     objective: planning.RefineObjective | None = None
     peers: tuple[Peer, ...] = ()
+    loads: tuple[Load, ...] = ("none",)
 
     def load(self, problem: Problem, *, kernel: bool) -> planning.World:
         """Return the problem's world, with or without the native kernel."""
@@ -139,27 +148,41 @@ class Bench:
     def run_all(
         self, problems: Iterable[Problem], goals: tuple[GoalKind, ...], *, kernel: bool
     ) -> Runs:
-        """Plan every valid problem, once per kind of goal and method."""
+        """Plan every valid problem, once per kind of goal, method and load."""
         done = Runs(list(problems), [], [], [])
         for problem in done.problems:
             referee = Referee(self.files, problem)
             if not referee.is_valid:
                 done.invalid.append(problem)
                 continue
-            for goal, method in product(goals, self.methods):
+            for goal, method, load in product(goals, self.methods, self.loads):
                 began = self.clock()
                 world = self.load(problem, kernel=kernel)
                 done.load_ms.append(1e3 * (self.clock() - began))
-                run = self._run(problem, goal, world, referee, self._options(method))
-                done.runs.append(replace(run, method=method))
+                query = self._query(problem, self._goal(problem, goal, referee), method, load)
+                run = self._run(problem, goal, world, referee, query)
+                done.runs.append(replace(run, method=method, load=load))
             for goal, peer in product(goals, self.peers):
                 theirs = peer.run(problem, goal, referee)
                 done.others.setdefault(peer.name, []).append(theirs)
         return done
 
-    def _options(self, method: Method) -> planning.RefineOptions:
+    def _query(
+        self,
+        problem: Problem,
+        goal: planning.JointGoal | planning.PoseGoal,
+        method: Method,
+        load: Load,
+    ) -> planning.PlanningProblem:
         objective = None if method == "none" else self.objective
-        return planning.RefineOptions(method, objective=objective)
+        return planning.PlanningProblem(
+            f"robot::{ARM}",
+            goal,
+            start=np.array(problem.start),
+            search=planning.SearchOptions(allowed_planning_time=ALLOWED_SECONDS),
+            refine=planning.RefineOptions(method, objective=objective),
+            retime=retime_options(self.files.spec, load),
+        )
 
     def _run(
         self,
@@ -167,16 +190,8 @@ class Bench:
         goal: GoalKind,
         world: planning.World,
         referee: Referee,
-        refine: planning.RefineOptions,
+        query: planning.PlanningProblem,
     ) -> Run:
-        query = planning.PlanningProblem(
-            f"robot::{ARM}",
-            self._goal(problem, goal, referee),
-            start=np.array(problem.start),
-            search=planning.SearchOptions(allowed_planning_time=ALLOWED_SECONDS),
-            refine=refine,
-            retime=planning.RetimeOptions("ruckig" if self.files.spec.jerk else "toppra"),
-        )
         failure, detail, plan = "", "", None
         cpu, began = time.process_time(), self.clock()
         deadline = planning.Deadline.after(ALLOWED_SECONDS, self.clock)
@@ -229,6 +244,11 @@ def polynomials_of(plan: planning.MotionPlan) -> Polynomials:
     curve = plan.trajectory
     joints = tuple(joint.name.partition("::")[2] for joint in curve.joints)
     return Polynomials(joints, curve.breaks, curve.bases, curve.coefficients)
+
+
+def row_name(method: Method, load: Load) -> str:
+    """Return the name of a method under a load."""
+    return method if load == "none" else f"{method}, {load}"
 
 
 def by_set(runs: Iterable[Run]) -> Iterator[tuple[str, list[Run]]]:

@@ -6,7 +6,7 @@ from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.motion_bench_maker.runs import GoalKind, Run, Runs, by_set
+from benchmarks.motion_bench_maker.runs import GoalKind, Run, Runs, by_set, row_name
 from benchmarks.motion_bench_maker.summary import (
     Spread,
     of_goal,
@@ -98,14 +98,15 @@ def print_faults(console: Console, done: Runs) -> None:
         names = ", ".join(problem.name for problem in done.invalid)
         console.print(f"not valid (start or goal collides): {names}")
     for run in done.runs:
+        row = row_name(run.method, run.load)
         if run.failure:
             console.print(
-                f"not solved: {run.problem.name}, {run.goal} goal, refine {run.method}: "
+                f"not solved: {run.problem.name}, {run.goal} goal, refine {row}: "
                 f"{run.failure} "
                 f"after {run.total_ms:.0f} ms: {run.detail}"
             )
         elif not run.free:
-            console.print(f"NOT FREE: {run.problem.name}, {run.goal} goal, refine {run.method}")
+            console.print(f"NOT FREE: {run.problem.name}, {run.goal} goal, refine {row}")
 
 
 def spread_cell(spread: Spread | None, digits: int = 1) -> str:

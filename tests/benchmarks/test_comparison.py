@@ -8,9 +8,11 @@ from pathlib import Path
 import pytest
 
 from benchmarks import mbm
+from benchmarks.motion_bench_maker import loads
 from benchmarks.motion_bench_maker.command import bench
 from benchmarks.motion_bench_maker.comparison import print_comparison
 from benchmarks.motion_bench_maker.problems import Problem
+from benchmarks.motion_bench_maker.robots import ROBOTS
 from benchmarks.motion_bench_maker.runs import Method, Run, Runs
 from tests.clocks import FakeClock
 from tests.profiles import only_campaign
@@ -64,11 +66,50 @@ def test_the_command_takes_several_methods_and_weights() -> None:
     assert options.objective == {"smoothness": 0.1, "duration": 1.0}
 
 
-@pytest.mark.parametrize("words", [["--refine", "chomp"], ["--objective", "beauty=1"]])
+@pytest.mark.parametrize(
+    "words", [["--refine", "chomp"], ["--objective", "beauty=1"], ["--loads", "wind"]]
+)
 def test_what_is_unknown_is_refused(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises((SystemExit, argparse.ArgumentTypeError)):
         mbm.parser().parse_args(words)
     assert "it must be of" in capsys.readouterr().err
+
+
+def test_loads_have_rows_of_their_own(capsys: pytest.CaptureFixture[str]) -> None:
+    runs = [
+        run("trajopt", 1, duration=2.0),
+        run("trajopt", 1, duration=5.0, load="torque", free=False),
+        run("trajopt", 2, duration=1.0),
+        run("trajopt", 2, load="torque", failure="deadline_exceeded", detail="late"),
+    ]
+    print_comparison(Runs([], [], runs, []), ("trajopt",), "head", ("none", "torque"))
+    printed = capsys.readouterr().out
+    rows = [line.split() for line in printed.splitlines() if line.startswith(" trajopt")]
+    assert [row[:2] for row in rows] == [["trajopt", "2"], ["trajopt,", "torque"]]
+    assert rows[0][1:7] == ["2", "of", "2", "2", "0", "2.00"]
+    assert rows[1][2:8] == ["1", "of", "2", "0", "0", "5.00"]
+    assert "not solved: cage 2, joint goal, refine trajopt, torque: deadline_exceeded" in printed
+
+
+def test_the_commands_loads_are_those_of_the_plans() -> None:
+    assert mbm.LOADS == loads.LOADS
+    assert mbm.parser().parse_args(["--loads", "torque,all"]).loads == ("torque", "all")
+
+
+def test_each_load_limits_what_its_name_says() -> None:
+    options = {load: loads.retime_options(ROBOTS["panda"], load) for load in loads.LOADS}
+    claims = {
+        load: (o.effort and o.payload is not None, bool(o.tool_limits), bool(o.speed_zones))
+        for load, o in options.items()
+    }
+    assert claims == {
+        "none": (False, False, False),
+        "torque": (True, False, False),
+        "tool": (False, True, False),
+        "zone": (False, False, True),
+        "all": (True, True, True),
+    }
+    assert loads.retime_options(ROBOTS["ur5"].with_jerk(500), "zone").method == "ruckig"
 
 
 @only_campaign("9 s")
