@@ -172,6 +172,29 @@ class InverseDynamics:
     ) -> None: ...
     def efforts(self, q: _Doubles, v: _Doubles, vdot: _Doubles) -> _Doubles: ...
 
+class TorqueSeries:
+    def __init__(self, num_positions: int, num_velocities: int, gravity: _Doubles) -> None: ...
+    def add_link(
+        self,
+        parent: int,
+        X_PF: _Doubles,
+        kind: JointKind,
+        axis: _Doubles,
+        coordinate: tuple[int, int, float, float],
+        drive: tuple[float, float],
+        mass: _Doubles,
+    ) -> None: ...
+    def polynomials(
+        self,
+        bases: _Doubles,
+        coefficients: _Doubles,
+        pieces: _Integers,
+        middles: _Doubles,
+        halves: _Doubles,
+        order: int,
+        kernel: str = "",
+    ) -> tuple[_Doubles, _Doubles]: ...
+
 class DistanceQuery:
     def __init__(
         self, scene: Scene, positions: _Integers, velocities: _Integers, state: _Doubles

@@ -13,7 +13,7 @@ FINITE = {
     "state", "thresholds", "box", "breaks", "bases", "coefficients", "margins", "reach", "least",
     "price", "c", "s", "v", "a", "j", "h", "durations", "parameters", "limits", "positions",
     "q_diagonal", "lower", "upper", "values", "start", "goals", "waypoints", "inertias", "rotors",
-    "gravity", "vdot",
+    "gravity", "vdot", "middles", "halves", "mass",
 }  # fmt: skip
 
 

@@ -126,7 +126,9 @@ def _torque_terms(
     terms = [(undamped, 0 * gravity, 1), (undamped, 0 * gravity, 2), (undamped, gravity, 0)]
     if any(link.motion.damping for link in links):
         terms.append((links, 0 * gravity, 0))
-    return [_torque_term(term, request, cells, deadline) for term in terms]
+    return [
+        _torque_term(term, request, cells, deadline, use_kernel=model.uses_kernel) for term in terms
+    ]
 
 
 def _torque_term(
@@ -134,6 +136,8 @@ def _torque_term(
     request: CertifyRequest,
     cells: MotionCells,
     deadline: Deadline,
+    *,
+    use_kernel: bool,
 ) -> TorquePolynomials:
     links, gravity, order = term
     pieces, begins = _locate_cells(request, cells)
@@ -145,7 +149,10 @@ def _torque_term(
         segments = pieces[rows], begins[rows] + halves[rows], halves[rows]
         # Overflow gives NaN: the torque is unknown there.
         with np.errstate(over="ignore", invalid="ignore"):
-            parts.append(torque_series(links, gravity, request.trajectory, segments, order))
+            part = torque_series(
+                links, gravity, request.trajectory, segments, order, use_kernel=use_kernel
+            )
+        parts.append(part)
     return TorquePolynomials(
         np.concatenate([part.taylor for part in parts]),
         np.concatenate([part.errors for part in parts]),

@@ -10,6 +10,7 @@ momentum about it is sum s_k (R e_k) x (R e_k)': a function of the motion of thr
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -49,7 +50,7 @@ class Link:
         """The centre of mass [m], shape (3,); zero without mass."""
         return self.inertia[:3, 3] / self.mass if self.mass > 0 else np.zeros(3)
 
-    @property
+    @cached_property
     def principal_second_moments(self) -> tuple[Array, Array]:
         """Eigenvalues s_k [kg m^2], shape (3,), and eigenvectors e_k as columns, shape (3, 3)."""
         center = self.center

@@ -13,6 +13,7 @@ from jaxtyping import Float64
 
 from planning.certify.intervals.rounding import UNIT_ROUNDOFF
 from planning.certify.intervals.taylor import expand_at
+from planning.certify.torque.kernel_torques import KernelTorques
 from planning.certify.torque.links import Link
 from planning.certify.torque.newton_euler import TERMS, TorqueRecursion
 from planning.certify.torque.torque_remainder import torque_errors
@@ -40,6 +41,8 @@ def torque_series(
     trajectory: TimedTrajectory,
     segments: tuple[Any, Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]],
     order: int = 2,
+    *,
+    use_kernel: bool = True,
 ) -> TorquePolynomials:
     """Return the torque polynomials along segments of a trajectory.
 
@@ -50,8 +53,12 @@ def torque_series(
         segments: The piece of each, its middle relative to the piece's break, and half its width.
         order: Order of the derivative in the inertial terms: 2 for torques, else shares of them;
             see `newton_euler`.
+        use_kernel: Whether the native kernel may be used, if it is available.
     """
     pieces, middles, halves = segments
+    kernel = KernelTorques.of(links, gravity, trajectory) if use_kernel else None
+    if kernel is not None:
+        return TorquePolynomials(*kernel.polynomials(pieces, middles, halves, order))
     coefficients = trajectory.coefficients[pieces]
     length = max(TERMS + 3, coefficients.shape[1])
     tangents = expand_at(coefficients, middles, length)

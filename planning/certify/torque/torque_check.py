@@ -93,7 +93,7 @@ class _Search:
         self, model: DrakeModel, request: CertifyRequest, deadline: Deadline, max_segments: int
     ) -> None:
         self._request, self._deadline, self._max_segments = request, deadline, max_segments
-        self._links = links_of(model, request)
+        self._links, self._use_kernel = links_of(model, request), model.uses_kernel
         self._gravity = np.array(model.plant.gravity_field().gravity_vector())
         efforts = request.limits.effort
         self._limited = [i for i in range(len(efforts)) if np.isfinite(efforts[i])]
@@ -149,6 +149,7 @@ class _Search:
                     self._gravity,
                     self._request.trajectory,
                     (chosen.pieces, chosen.middles, chosen.halves),
+                    use_kernel=self._use_kernel,
                 )
                 parts.append(self._block_utilizations(torques, chosen.halves))
         upper, values = (

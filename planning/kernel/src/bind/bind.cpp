@@ -16,4 +16,5 @@ NB_MODULE(_native, m) {
   wayproof::bind_timing(m);
   wayproof::bind_search(m);
   wayproof::bind_dynamics(m);
+  wayproof::bind_torques(m);
 }
