@@ -12,7 +12,7 @@ from pydrake.geometry import Sphere
 from pydrake.math import RigidTransform
 
 from planning.certify.certifier import CertifyRequest
-from planning.certify.frames.frame_derivative_bounds import direction_errors, origin_errors
+from planning.certify.frames.frame_derivative_bounds import direction_bounds, origin_bounds
 from planning.certify.frames.frame_poses import FramePoses
 from planning.certify.frames.frame_states import FrameStates
 from planning.certify.frames.tool_checks import tool_checks
@@ -96,8 +96,8 @@ def test_frame_errors_are_within_their_bounds(degree: int) -> None:
     for seed in range(8):
         powers = growing(np.random.default_rng(seed), degree, 1.0)
         request = moving(robot, powers)
-        errors = origin_errors(model, request, "tip")[0]
-        turned = direction_errors(model, request, "tip")[0]
+        errors = origin_bounds(model, request, "tip").errors[0]
+        turned = direction_bounds(model, request, "tip").errors[0, 0]
         states = FrameStates(model, request, "tip")
         for t in (0.3, 0.9, 1.0):
             q = value([Fraction(float(c)) for c in powers], t)

@@ -5,12 +5,7 @@ from typing import Any, override
 
 import numpy as np
 
-from planning.certify.frames.frame_derivative_bounds import (
-    derivative_bounds,
-    direction_bounds,
-    direction_errors,
-    origin_errors,
-)
+from planning.certify.frames.frame_derivative_bounds import direction_bounds, origin_bounds
 from planning.certify.frames.frame_poses import FramePoses
 from planning.certify.intervals.chord_proof import BOUND_TOLERANCE, ChordProof
 from planning.certify.request import CertifyRequest
@@ -48,8 +43,8 @@ def box_check(
     )
     poses = FramePoses(model, request, constraint.frame)
     quantity_type = _BoxDepth if isinstance(constraint, KeepOut) else _BoxDistance
-    frame_arguments = model, request, constraint.frame
-    point_bounds = derivative_bounds(*frame_arguments)[:, 1], origin_errors(*frame_arguments)[:, 0]
+    bounds = origin_bounds(model, request, constraint.frame)
+    point_bounds = bounds.derivatives[:, 1], bounds.errors[:, 0]
     result = ChordProof(quantity_type(poses, world_box), point_bounds, request, deadline).run(0.0)
     return Check(
         name=name,
@@ -86,8 +81,8 @@ def cone_check(
         constraint.axis / np.linalg.norm(constraint.axis),
         direction / np.linalg.norm(direction),
     )
-    frame_arguments = model, request, constraint.frame
-    point_bounds = direction_bounds(*frame_arguments)[:, 1], direction_errors(*frame_arguments)
+    bounds = direction_bounds(model, request, constraint.frame)
+    point_bounds = bounds.derivatives[:, 1], bounds.errors[:, 0]
     # The tolerance is an angle: near half a turn its chord changes less.
     max_angle = constraint.tolerance + BOUND_TOLERANCE
     bound = 2 * np.sin(max_angle / 2) - BOUND_TOLERANCE if max_angle < np.pi else np.inf

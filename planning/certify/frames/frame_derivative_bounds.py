@@ -19,6 +19,7 @@ of its derivative at most e_1 / 2 + e_0 |delta'| / 3; factors 1 + e_0 on all siz
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import factorial
 from typing import Any
 
@@ -31,7 +32,8 @@ from pydrake.multibody.tree import (
     RevoluteJoint,
 )
 
-from planning.certify.clearance.motion_bounds import MovingJoint, joint_chains, moving_joints
+from planning.certify.clearance.motion_bounds import MovingJoint
+from planning.certify.frames.frame_chain import ChainLink, chain_links
 from planning.certify.intervals import bernstein
 from planning.certify.intervals.angular_velocity_bounds import angular_velocity_bounds
 from planning.certify.intervals.rounding import UNIT_ROUNDOFF, rounding_bounds
@@ -44,232 +46,195 @@ _ORDER = 4
 _FACTORIALS = np.array([float(factorial(m)) for m in range(_ORDER + 1)])
 # Bound on the relative rounding error of sums and products here, and of kinematics.
 _RELATIVE_ROUNDING = 64 * UNIT_ROUNDOFF
-
-
-def derivative_bounds(
-    model: DrakeModel, request: CertifyRequest, frame: str
-) -> Float64[np.ndarray, "n 4"]:
-    """Return bounds on |p'|, |p''|, |p'''| and |p''''| of a frame's origin on every piece.
-
-    Raises:
-        ModelInvalid: A joint moves in a way that cannot be bounded here.
-    """
-    return _origin_series(model, request, frame, 1)[:, 1:]
-
-
-def direction_bounds(
-    model: DrakeModel, request: CertifyRequest, frame: str
-) -> Float64[np.ndarray, "n 4"]:
-    """Return bounds on the first four derivatives of a unit vector fixed in a frame.
-
-    The vector is R_1 .. R_n u: the same series, with a last link of length 1 and no translations.
-
-    Raises:
-        ModelInvalid: A joint moves in a way that cannot be bounded here.
-    """
-    return _direction_series(model, request, frame, 1)[:, 1:]
-
-
-def origin_errors(
-    model: DrakeModel, request: CertifyRequest, frame: str
-) -> Float64[np.ndarray, "n 3"]:
-    """Bound the rounding errors of a frame's origin, velocity and acceleration, by piece.
-
-    Raises:
-        ModelInvalid: A joint moves in a way that cannot be bounded here.
-    """
-    return _rounding_growth([
-        _origin_series(model, request, frame, num_errors) for num_errors in (1, 2)
-    ])[:, :3]
-
-
-def direction_errors(
-    model: DrakeModel, request: CertifyRequest, frame: str
-) -> Float64[np.ndarray, " n"]:
-    """Bound the rounding error of a unit vector fixed in a frame, on every piece.
-
-    Raises:
-        ModelInvalid: A joint moves in a way that cannot be bounded here.
-    """
-    return _rounding_growth([
-        _direction_series(model, request, frame, num_errors) for num_errors in (1, 2)
-    ])[:, 0]
-
-
-def _rounding_growth(bounds: list[Array]) -> Array:
-    """Return the second minus the first bound, rounding errors of both included."""
-    bound, wider_bound = bounds
-    with np.errstate(invalid="ignore"):
-        return np.nan_to_num(
-            wider_bound - bound + _RELATIVE_ROUNDING * wider_bound, nan=np.inf, posinf=np.inf
-        )
-
-
-def _origin_series(
-    model: DrakeModel, request: CertifyRequest, frame: str, num_errors: int
-) -> Array:
-    """Bound the origin and its derivatives plus `num_errors` times the rounding errors, (n, 5)."""
-    count = request.trajectory.num_pieces
-    total, rotation_sum = np.zeros((count, _ORDER + 1)), np.zeros((count, _ORDER + 1))
-    with np.errstate(over="ignore", invalid="ignore"):
-        for link in _links(model, request, frame):
-            rotation, translation = _joint_majorants(model, request, link.joint, num_errors)
-            rotation_sum += rotation
-            arm = np.array(translation)
-            arm[:, 0] += link.length
-            total += _product(_exponential(rotation_sum), arm)
-    # NaN is the result of overflow: no bound.
-    return np.where(np.isnan(total), np.inf, total * _FACTORIALS)
-
-
-def _direction_series(
-    model: DrakeModel, request: CertifyRequest, frame: str, num_errors: int
-) -> Array:
-    rotation_sum = np.zeros((request.trajectory.num_pieces, _ORDER + 1))
-    with np.errstate(over="ignore", invalid="ignore"):
-        for link in _links(model, request, frame):
-            rotation_sum += _joint_majorants(model, request, link.joint, num_errors)[0]
-        total = _exponential(rotation_sum) * _FACTORIALS
-    return np.where(np.isnan(total), np.inf, total)
+# Times that rounding errors are added: in the bound, and in the wider one that bounds errors.
+_NUM_ERRORS = np.array([1.0, 2.0])[:, None, None]
 
 
 @dataclass(frozen=True)
-class _ChainLink:
-    """A joint of the chain, and its distance to the next joint or to the frame [m]."""
+class PointBounds:
+    """Bounds on a point's motion on every piece of a trajectory.
 
-    joint: MovingJoint
-    length: float
-
-
-def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_ChainLink]:
-    """Return the chain of joints between the world and a frame, in order."""
-    moving = moving_joints(model, request.group)
-    chains = joint_chains(model, moving)
-    context = model.plant.CreateDefaultContext()
-    full = model.embed(request.group, request.reference, request.state)
-    model.plant.SetPositions(context, full)
-    frame = model.frame(name)
-    ends: list[tuple[int, MovingJoint, Array, Array]] = []
-    for k in chains[int(frame.body)]:
-        joint = moving[k].joint
-        near, far = joint.frame_on_parent(), joint.frame_on_child()
-        # Drake may run a joint from the tip to the base.
-        if k not in chains[int(joint.child_body().index())]:
-            near, far = far, near
-        rank = len(chains[int(far.body().index())])
-        positions = [np.array(f.CalcPoseInWorld(context).translation()) for f in (near, far)]
-        ends.append((rank, moving[k], positions[0], positions[1]))
-    ends.sort(key=lambda entry: entry[0])
-    tip = np.array(frame.pose(context).translation())
-    # Without a joint between world and frame the frame does not move.
-    nexts = [near for _, _, near, _ in ends[1:]] + [tip] * bool(ends)
-    return [
-        _ChainLink(joint, float(np.linalg.norm(there - far)))
-        for (_, joint, _, far), there in zip(ends, nexts, strict=True)
-    ]
-
-
-def _joint_majorants(
-    model: DrakeModel, request: CertifyRequest, moving: MovingJoint, num_errors: int
-) -> tuple[Array, Array]:
-    """Return majorants of a joint's rotation, without constant, and of its translation, (n, 5).
-
-    The constant of the rotation is the rounding error beyond the first time.
+    Attributes:
+        derivatives: Bounds on |p'|, |p''|, |p'''| and |p''''|, shape (n, 4).
+        errors: Bounds on the rounding errors of p, p' and p'', shape (n, 3).
     """
-    zero = np.zeros((request.trajectory.num_pieces, _ORDER + 1))
-    majorants = _block_majorants(request, moving, num_errors)
-    joint = moving.joint
-    match joint:
-        case RevoluteJoint():
-            return _with_constant(*majorants[0]), zero
-        case PrismaticJoint():
-            return zero, _with_displacement(
-                majorants[0][0], _initial_displacements(model, request, joint, 0)
-            )
-        case PlanarJoint():
-            return _with_constant(*majorants[1]), _with_displacement(
-                majorants[0][0], _initial_displacements(model, request, joint, 0, 2)
-            )
-        case QuaternionFloatingJoint():
-            return _spatial_rotation_majorant(*majorants[0]), _with_displacement(
-                majorants[1][0], _initial_displacements(model, request, joint, 4, 7)
-            )
-        case _:
-            message = f"joint {joint.name()!r} of kind {joint.type_name()!r} cannot be certified"
-            raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
+
+    derivatives: Float64[np.ndarray, "n 4"]
+    errors: Float64[np.ndarray, "n 3"]
 
 
-def _block_majorants(
-    request: CertifyRequest, moving: MovingJoint, num_errors: int
-) -> list[tuple[Array, Array]]:
-    """Return majorants of the joint's blocks, |c^(m)| / m! on every piece, each shape (n, 5).
+def origin_bounds(model: DrakeModel, request: CertifyRequest, frame: str) -> PointBounds:
+    """Return the bounds of a frame's origin.
 
-    The constant is the largest distance of the block from its value at the beginning of the piece.
-    Rounding errors are added `num_errors` times; those of the block itself, beyond the first time,
-    are returned separately (n,).
+    Raises:
+        ModelInvalid: A joint moves in a way that cannot be bounded here.
     """
-    curve, widths = request.trajectory, np.diff(request.trajectory.breaks)
-    joints = request.group.joints
-    begin = sum(joint.num_velocities for joint in joints[: moving.group_index])
-    majorants: list[tuple[Array, Array]] = []
-    for _, indices in joints[moving.group_index].blocks:
-        columns = [begin + i for i in indices]
-        coefficients = curve.coefficients[:, :, columns]
-        series, rounding_errors = np.empty((2, curve.num_pieces, _ORDER + 1))
+    return _FrameSeries(model, request, frame).of_origin()
+
+
+def direction_bounds(model: DrakeModel, request: CertifyRequest, frame: str) -> PointBounds:
+    """Return the bounds of the tip of a unit vector fixed in a frame.
+
+    It is R_1 .. R_n u: the same series, with a last link of length 1 and no translations.
+
+    Raises:
+        ModelInvalid: A joint moves in a way that cannot be bounded here.
+    """
+    return _FrameSeries(model, request, frame).of_direction()
+
+
+class _FrameSeries:
+    """Series of one frame, of both numbers of errors: shape (2, n, 5)."""
+
+    def __init__(self, model: DrakeModel, request: CertifyRequest, frame: str) -> None:
+        self._model, self._request = model, request
+        self._shape = 2, request.trajectory.num_pieces, _ORDER + 1
+        with np.errstate(over="ignore", invalid="ignore"):
+            self._links = chain_links(model, request, frame)
+            majorants = [self._joint_majorants(link.joint) for link in self._links]
+        self._rotations = np.array([rotation for rotation, _ in majorants])
+        self._translations = [translation for _, translation in majorants]
+
+    def of_origin(self) -> PointBounds:
+        total = np.zeros(self._shape)
+        with np.errstate(over="ignore", invalid="ignore"):
+            if self._links:
+                rotations = _exponential(np.cumsum(self._rotations, axis=0))
+                arms = np.array([
+                    _arm(*entry) for entry in zip(self._links, self._translations, strict=True)
+                ])
+                total = np.sum(_product(rotations, arms), axis=0)
+            return _point_bounds(total * _FACTORIALS)
+
+    def of_direction(self) -> PointBounds:
+        with np.errstate(over="ignore", invalid="ignore"):
+            rotation = np.sum(self._rotations, axis=0) + np.zeros(self._shape)
+            return _point_bounds(_exponential(rotation) * _FACTORIALS)
+
+    def _joint_majorants(self, moving: MovingJoint) -> tuple[Array, Array]:
+        """Return majorants of a joint's rotation, without constant, and of its translation.
+
+        The constant of the rotation is the rounding error beyond the first time.
+        """
+        zero = np.zeros(self._shape)
+        majorants, joint = self._block_majorants(moving), moving.joint
+        match joint:
+            case RevoluteJoint():
+                return _with_constant(*majorants[0]), zero
+            case PrismaticJoint():
+                return zero, self._with_displacement(majorants[0][0], joint, 0)
+            case PlanarJoint():
+                translation = self._with_displacement(majorants[0][0], joint, 0, 2)
+                return _with_constant(*majorants[1]), translation
+            case QuaternionFloatingJoint():
+                translation = self._with_displacement(majorants[1][0], joint, 4, 7)
+                return _spatial_rotation_majorant(*majorants[0]), translation
+            case _:
+                message = (
+                    f"joint {joint.name()!r} of kind {joint.type_name()!r} cannot be certified"
+                )
+                raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
+
+    def _block_majorants(self, moving: MovingJoint) -> list[tuple[Array, Array]]:
+        """Return majorants of the joint's blocks, |c^(m)| / m! on every piece.
+
+        The constant is the largest distance of the block from its value at the beginning of the
+        piece. The rounding errors of the block itself, beyond the first time, are returned
+        separately, shape (2, n).
+        """
+        joints = self._request.group.joints
+        begin = sum(joint.num_velocities for joint in joints[: moving.group_index])
+        majorants: list[tuple[Array, Array]] = []
+        for _, indices in joints[moving.group_index].blocks:
+            columns = [begin + i for i in indices]
+            sizes = np.stack(
+                [_largest_norm(form[:, :, columns]) for form, _ in self._forms], axis=1
+            )
+            errors = np.stack(
+                [np.linalg.norm(error[:, columns], axis=1) for _, error in self._forms], axis=1
+            )
+            series = moving.scale * (sizes + _NUM_ERRORS * errors) / _FACTORIALS
+            constants = moving.scale * (_NUM_ERRORS[:, :, 0] - 1) * errors[:, 0]
+            majorants.append((series, constants))
+        return majorants
+
+    @cached_property
+    def _forms(self) -> list[tuple[Array, Array]]:
+        """Bernstein forms of the derivatives by order, and their rounding errors, (n, nv).
+
+        Positions are relative to those at the beginning of the piece.
+        """
+        curve = self._request.trajectory
+        forms: list[tuple[Array, Array]] = []
         for m in range(_ORDER + 1):
-            form = bernstein.from_power(bernstein.derivative(coefficients, m), widths)
-            errors = rounding_bounds(np.abs(form).max(axis=1), coefficients, widths, m)
-            rounding_errors[:, m] = np.linalg.norm(errors, axis=1)
-            if m == 0:
-                form = form - form[:, :1]
-            series[:, m] = np.linalg.norm(form, axis=2).max(axis=1)
-        series = moving.scale * (series + num_errors * rounding_errors) / _FACTORIALS
-        majorants.append((series, moving.scale * (num_errors - 1) * rounding_errors[:, 0]))
-    return majorants
+            form = bernstein.from_power(
+                bernstein.derivative(curve.coefficients, m), np.diff(curve.breaks)
+            )
+            largest = np.abs(form).max(axis=1)
+            errors = rounding_bounds(largest, curve.coefficients, np.diff(curve.breaks), m)
+            forms.append((form if m else form - form[:, :1], errors))
+        return forms
+
+    def _with_displacement(self, series: Array, joint: Any, first: int, last: int = 1) -> Array:
+        """Return the series with the displacement of a joint at the beginning of each piece [m]."""
+        request = self._request
+        q = request.trajectory.positions(request.trajectory.breaks[:-1])
+        full = self._model.embed(request.group, q, request.state)
+        begin = joint.position_start()
+        total = np.array(series)
+        total[:, :, 0] += np.linalg.norm(full[:, begin + first : begin + last], axis=1)
+        return total
 
 
-def _initial_displacements(
-    model: DrakeModel, request: CertifyRequest, joint: Any, first: int, last: int = 1
-) -> Array:
-    """Return the displacement of a joint at the beginning of each piece [m], shape (n,)."""
-    q = request.trajectory.positions(request.trajectory.breaks[:-1])
-    full = model.embed(request.group, q, request.state)
-    begin = joint.position_start()
-    return np.linalg.norm(full[:, begin + first : begin + last], axis=1)
+def _point_bounds(series: Array) -> PointBounds:
+    """Return the bounds by series of both numbers of errors; errors are their difference."""
+    # NaN is the result of overflow: no bound.
+    bound, wider_bound = np.where(np.isnan(series), np.inf, series)
+    growth = wider_bound - bound + _RELATIVE_ROUNDING * wider_bound
+    errors = np.nan_to_num(growth, nan=np.inf, posinf=np.inf)
+    return PointBounds(bound[:, 1:], errors[:, :3])
 
 
-def _with_displacement(series: Array, displacements: Array) -> Array:
-    total = np.array(series)
-    total[:, 0] += displacements
+def _arm(link: ChainLink, translation: Array) -> Array:
+    """Return the majorant of a link with the translation of its joint."""
+    total = np.array(translation)
+    total[:, :, 0] += link.length
     return total
+
+
+def _largest_norm(form: Array) -> Array:
+    """Return the largest norm of a block's coefficients on each piece."""
+    sizes = np.abs(form[:, :, 0]) if form.shape[2] == 1 else np.linalg.norm(form, axis=2)
+    return sizes.max(axis=1)
 
 
 def _with_constant(series: Array, constant: Array) -> Array:
     total = np.array(series)
-    total[:, 0] = constant
+    total[..., 0] = constant
     return total
 
 
 def _spatial_rotation_majorant(series: Array, constant: Array) -> Array:
     """Return the majorant of a rotation in space from that of its tangent."""
-    rates = angular_velocity_bounds((series * _FACTORIALS)[:, 1:].T * (1 + constant))
-    return np.column_stack([constant, rates.T]) / _FACTORIALS
+    sizes = np.moveaxis((series * _FACTORIALS)[..., 1:] * (1 + constant)[..., None], -1, 0)
+    rates = np.moveaxis(angular_velocity_bounds(sizes), 0, -1)
+    return np.concatenate([constant[..., None], rates], axis=-1) / _FACTORIALS
 
 
 def _exponential(series: Array) -> Array:
-    """Return exp of a series."""
-    powers = _with_constant(series, np.zeros(len(series)))
+    """Return exp of series."""
+    powers = _with_constant(series, np.zeros(series.shape[:-1]))
     total = term = np.zeros_like(series)
-    total[:, 0] = 1.0
+    total[..., 0] = 1.0
     for j in range(1, _ORDER + 1):
         term = _product(term, powers) / j
         total = total + term
-    return total * np.exp(series[:, :1])
+    return total * np.exp(series[..., :1])
 
 
 def _product(a: Array, b: Array) -> Array:
     """Return products of series, truncated to the number of coefficients."""
     product = np.zeros_like(a)
     for i in range(_ORDER + 1):
-        product[:, i:] += a[:, i : i + 1] * b[:, : _ORDER + 1 - i]
+        product[..., i:] += a[..., i : i + 1] * b[..., : _ORDER + 1 - i]
     return product

@@ -2,9 +2,8 @@
 
 On an interval of width h the velocity is within h^2 / 8 max |p'''| of the chord between its end
 values, and no point of a chord is longer than both its ends; likewise the acceleration with
-max |p''''|, and the origin with max |p''|. `derivative_bounds` computes the maxima. Intervals on
-which the bound is undecided are halved. The rounding error of the samples (`origin_errors`) is
-added.
+max |p''''|, and the origin with max |p''|. `origin_bounds` computes the maxima. Intervals on
+which the bound is undecided are halved. The rounding error of the samples is added.
 """
 
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from planning.certify.frames.frame_derivative_bounds import derivative_bounds, origin_errors
+from planning.certify.frames.frame_derivative_bounds import origin_bounds
 from planning.certify.frames.frame_states import FrameMotion, FrameStates
 from planning.certify.joints.limit_checks import MAX_UTILIZATION
 from planning.certify.request import CertifyRequest
@@ -87,8 +86,8 @@ class FrameProof:
             ModelInvalid: A joint of a kind that cannot be certified.
         """
         self._states = FrameStates(model, request, frame)
-        self._bounds = derivative_bounds(model, request, frame)[:, 1:].T
-        self._errors = origin_errors(model, request, frame).T
+        bounds = origin_bounds(model, request, frame)
+        self._bounds, self._errors = bounds.derivatives[:, 1:].T, bounds.errors.T
         self._breaks = request.trajectory.breaks
         self._widths = np.diff(self._breaks)
         self._quantities, self._frame = quantities, frame

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from planning.certify.frames.frame_derivative_bounds import direction_errors, origin_errors
+from planning.certify.frames.frame_derivative_bounds import direction_bounds, origin_bounds
 from planning.certify.frames.tool_rates import RateCells, ToolRates
 from planning.certify.intervals.equal_split import split_equally
 from planning.certify.request import CertifyRequest
@@ -132,8 +132,8 @@ def _rounding_errors(
     """Bound the rounding errors of the distances [m] and of the rotation norms."""
     frame_arguments = model, request, line.frame
     position_error, rotation_error = (
-        origin_errors(*frame_arguments)[:, 0].max(),
-        np.sqrt(3) * direction_errors(*frame_arguments).max(),
+        origin_bounds(*frame_arguments).errors[:, 0].max(),
+        np.sqrt(3) * direction_bounds(*frame_arguments).errors[:, 0].max(),
     )
     if _has_translation(line):
         rotation_error += (

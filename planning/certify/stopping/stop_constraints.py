@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from planning.certify.frames.frame_derivative_bounds import derivative_bounds, origin_errors
+from planning.certify.frames.frame_derivative_bounds import origin_bounds
 from planning.certify.frames.frame_states import FrameStates
 from planning.certify.intervals import bernstein
 from planning.certify.intervals.motion_cells import MotionCells
@@ -65,9 +65,10 @@ def _frame_constraint(
     motion = states.at(np.repeat(pieces, len(fractions)), local.ravel(), deadline)
     shape = (len(pieces), len(fractions), 1, 3)
     with np.errstate(over="ignore", invalid="ignore"):
-        higher_derivatives = derivative_bounds(model, request, frame)[pieces, 2:]
+        point = origin_bounds(model, request, frame)
+        higher_derivatives = point.derivatives[pieces, 2:]
         errors = (cells.widths[:, None] / _NUM_SAMPLES) ** 2 / 8 * higher_derivatives
-        errors += origin_errors(model, request, frame)[pieces, 1:]
+        errors += point.errors[pieces, 1:]
         bounds = max_acceleration * MAX_UTILIZATION - errors[:, 1:]
     constraint = StopConstraint(
         (f"tool_acceleration {frame}",),

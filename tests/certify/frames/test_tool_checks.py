@@ -11,7 +11,7 @@ from pydrake.geometry import Sphere
 from pydrake.math import RigidTransform
 
 from planning.certify.certifier import CertifyRequest
-from planning.certify.frames.frame_derivative_bounds import derivative_bounds
+from planning.certify.frames.frame_derivative_bounds import origin_bounds
 from planning.certify.frames.frame_states import FrameStates
 from planning.certify.frames.tool_checks import tool_checks
 from planning.domain.curves.curve import TimedTrajectory
@@ -82,7 +82,7 @@ def test_bounds_on_derivatives_hold_at_every_instant(
     scene: str, name: str, frame: str, seed: int
 ) -> None:
     world, request = moving(scene, name, seed)
-    bounds = derivative_bounds(world.drake, request, frame)
+    bounds = origin_bounds(world.drake, request, frame).derivatives
     breaks = request.trajectory.breaks
     for piece, (begin, end) in enumerate(pairwise(breaks)):
         h = (end - begin) / 200
@@ -107,7 +107,7 @@ def test_bounds_of_one_arm_at_constant_rate_are_exact(rate: float, arm: float) -
         robot.group.joints, np.array([0.0, 1.0]), np.zeros((1, 1)), coefficients
     )
     margins = PairMargins(0.0, {}, {})
-    found = derivative_bounds(model, robot.request(motion, margins), "tip")
+    found = origin_bounds(model, robot.request(motion, margins), "tip").derivatives
     np.testing.assert_allclose(found[0], arm * rate ** np.arange(1.0, 5.0), rtol=1e-9)
 
 
