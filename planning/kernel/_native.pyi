@@ -317,6 +317,16 @@ class BesideProver:
 
 def batch_kernels() -> list[str]: ...
 def peak(coefficients: _Doubles, tolerance: float) -> tuple[float, int, float]: ...
+def load_rows(
+    instants: tuple[_Integers, _Integers, _Doubles, _Doubles, _Doubles, _Doubles, float],
+    ratios: _Doubles,
+    derivatives: _Doubles,
+    layout: tuple[_Integers, _Integers],
+    radii: _Doubles,
+    bound: float,
+    price: float,
+    is_static: bool,
+) -> tuple[_Integers, _Integers, _Doubles, _Doubles, _Doubles]: ...
 def solve_penalty_qp(
     variables: tuple[_Doubles, _Doubles, _Doubles, _Doubles],
     rows: tuple[_Integers, _Integers, _Doubles],

@@ -23,7 +23,7 @@ from tests.kernel.call_rules import (
     call,
 )
 from tests.kernel.curve_calls import curve_calls
-from tests.kernel.series_calls import series_calls
+from tests.kernel.load_calls import load_calls
 from tests.kernel.timing_calls import timing_calls
 
 IDENTITY = np.array([1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0, 0, 0, 0])
@@ -297,7 +297,7 @@ def calls() -> dict[str, Call]:
         ),
         "BesideProver.prove": call(beside_prover().prove, interrupt=(int, OBJECT)),
         "Prover.bounds": call(prover().bounds, halvings=([0, 1, 1], INDICES)),
-        **series_calls(module),
+        **load_calls(module),
         **timing_calls(module),
         **curve_calls(module),
         "batch_kernels": call(module.batch_kernels),

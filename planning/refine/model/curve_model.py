@@ -113,9 +113,7 @@ class CurveModel:
         radii = radius * self._bounds.velocity
         if self._native_steps is None:
             return self.reference_step(evaluation, radius)
-        return self._native_steps.step(
-            evaluation, radii, self._load_rows(evaluation, radii), self._evaluator.distance_weights
-        )
+        return self._native_steps.step(evaluation, radii, self._evaluator.distance_weights)
 
     def reference_step(self, evaluation: CurveEvaluation, radius: float) -> tuple[Array, float]:
         """Return the same by numpy, with the clearance objective if there is one."""

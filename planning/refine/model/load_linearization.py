@@ -1,11 +1,14 @@
 """LoadLinearization: a load along one curve at one path velocity, linearized in both."""
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.arrays import Array, Flags, Indices
+from planning.kernel.native import native
 from planning.refine.constraints.load import MAX_STATIC_LOAD, Load, difference_quotients
 from planning.refine.curves.curve_samples import CurveSamples
 from planning.refine.model.path_velocity_constraints import RATE_PENALTY
@@ -28,27 +31,18 @@ class LoadLinearization:
     """Large ratios of one load at samples on every interval of the grid, with derivatives.
 
     Attributes:
-        sample_indices: Indices of the samples, shape (m,).
-        control_points: Indices of the control points with nonzero weight there, shape (m, 4).
-        intervals: Index of each sample's interval, on which u is constant, shape (m,).
-        ratios: Load ratios, shape (m, rows).
-        by_control_point: Their derivatives by coordinates of control points, shape (m, rows, 4,
-            nq).
-        by_path_velocity: By b at both ends of the interval, times b, shape (m, rows, 2).
-        is_selected: Mask of the rows to use, without duplicates, shape (m, rows).
-        signs: Signs with a bound: above, or above and below.
-        bound: Bound of the ratios.
+        samples: The samples, m of them.
+        vectors: Load ratios, vectors whose norms are bounded, shape (m, balls, dims).
+        derivatives: Their derivatives by q, v and vdot, shape (3, m, balls, dims, nq).
+        is_static: Whether they depend on the curve alone; each grid point is sampled once then.
+        bound: Bound of the norms.
         penalty: Penalty of exceeding the bound by its own size, in durations.
     """
 
-    sample_indices: Indices
-    control_points: Indices
-    intervals: Indices
-    ratios: Array
-    by_control_point: Array
-    by_path_velocity: Array
-    is_selected: Flags
-    signs: tuple[float, ...]
+    samples: CurveSamples
+    vectors: Float64[np.ndarray, "m balls dims"]
+    derivatives: Float64[np.ndarray, "3 m balls dims nq"]
+    is_static: bool = False
     bound: float = 1.0
     penalty: float = RATE_PENALTY
 
@@ -57,24 +51,8 @@ class LoadLinearization:
         """Linearize the load of a motion."""
         vectors = load.load_ratios(*samples.motion)
         selected = np.flatnonzero((np.linalg.norm(vectors, axis=2) > _MIN_LOAD_RATIO).any(axis=1))
-        vectors, samples = vectors[selected], samples.selected(selected)
-        normals = _normals(vectors)
-        rows = len(selected), normals.shape[1] * normals.shape[2]
-        by_q, by_v, by_vdot = (
-            np.einsum("mbrd,mbdj->mbrj", normals, part).reshape(*rows, part.shape[-1])
-            for part in load.derivatives(*samples.motion)
-        )
-        return cls(
-            samples.grid_indices,
-            samples.control_points,
-            samples.intervals,
-            np.einsum("mbrd,mbd->mbr", normals, vectors).reshape(rows),
-            samples.by_control_point(by_q, by_v, by_vdot),
-            samples.by_path_velocity(by_v, by_vdot),
-            # Rows that do not depend on u are equal on both sides of a grid point.
-            by_vdot.any(axis=2) | (samples.fractions < 1)[:, None],
-            _BOTH_SIGNS if vectors.shape[2] == 1 else _UPPER_SIGNS,
-        )
+        samples = samples.selected(selected)
+        return cls(samples, vectors[selected], load.derivatives(*samples.motion))
 
     @classmethod
     def of_static_load(
@@ -86,18 +64,86 @@ class LoadLinearization:
         selected = np.flatnonzero((np.abs(static_loads) > _MIN_STATIC_LOAD_RATIO).any(axis=1))
         samples = samples.selected(selected)
         (by_q,) = difference_quotients(load.static_load, samples.states[0])
-        zeros = np.zeros_like(by_q)
+        derivatives = np.stack([by_q, np.zeros_like(by_q), np.zeros_like(by_q)])[:, :, :, None]
+        vectors = static_loads[selected][:, :, None]
         return cls(
-            samples.grid_indices,
-            samples.control_points,
-            samples.intervals,
-            static_loads[selected],
-            samples.by_control_point(by_q, zeros, zeros),
-            samples.by_path_velocity(zeros, zeros),
-            np.ones(by_q.shape[:2], dtype=bool),
-            _BOTH_SIGNS,
-            MAX_STATIC_LOAD,
-            penalty,
+            samples, vectors, derivatives, is_static=True, bound=MAX_STATIC_LOAD, penalty=penalty
+        )
+
+    def native_rows(
+        self, points: Indices, path_velocity: Indices, radii: Array
+    ) -> tuple[Array, ...] | None:
+        """Return the rows that can bind within a step by the kernel, as it takes them.
+
+        Starts, columns, values, least sums and penalties; None if there are no rows. Arguments are
+        those of `rows`, which is the reference.
+        """
+        if not self.vectors.size:
+            return None
+        module: Any = native()
+        return module.load_rows(
+            self._native_samples,
+            np.ascontiguousarray(self.vectors),
+            np.ascontiguousarray(self.derivatives),
+            (points, path_velocity),
+            radii,
+            self.bound,
+            self.penalty,
+            self.is_static,
+        )
+
+    @cached_property
+    def _native_samples(self) -> tuple[Any, ...]:
+        """The samples as the kernel takes them."""
+        samples = self.samples
+        return (
+            np.ascontiguousarray(samples.control_points[:, 0], dtype=np.int64),
+            np.ascontiguousarray(samples.intervals, dtype=np.int64),
+            samples.fractions,
+            samples.interval_ends,
+            np.ascontiguousarray(samples.states[1:]),
+            samples.weights.values[:, samples.grid_indices],
+            samples.step,
+        )
+
+    @cached_property
+    def ratios(self) -> Array:
+        """Sums to bound: components of the vectors along normals, shape (m, rows)."""
+        products = np.einsum("mbrd,mbd->mbr", self._normals, self.vectors)
+        return products.reshape(len(products), products.shape[1] * products.shape[2])
+
+    @cached_property
+    def by_control_point(self) -> Array:
+        """Derivatives of the sums by coordinates of control points, shape (m, rows, 4, nq)."""
+        return self.samples.by_control_point(*self._row_derivatives)
+
+    @cached_property
+    def by_path_velocity(self) -> Array:
+        """Derivatives by b at both ends of the interval, times b, shape (m, rows, 2)."""
+        _, by_v, by_vdot = self._row_derivatives
+        return self.samples.by_path_velocity(by_v, by_vdot)
+
+    @cached_property
+    def is_selected(self) -> Flags:
+        """Mask of the rows to use, without duplicates, shape (m, rows)."""
+        if self.is_static:
+            return np.ones_like(self.ratios, dtype=bool)
+        # Rows that do not depend on u are equal on both sides of a grid point.
+        by_vdot = self._row_derivatives[2]
+        return by_vdot.any(axis=2) | (self.samples.fractions < 1)[:, None]
+
+    @cached_property
+    def _normals(self) -> Array:
+        return _normals(self.vectors)
+
+    @cached_property
+    def _row_derivatives(self) -> tuple[Array, ...]:
+        """Derivatives of the sums by q, v and vdot, each of shape (m, rows, nq)."""
+        return tuple(
+            np.einsum("mbrd,mbdj->mbrj", self._normals, part).reshape(
+                *self.ratios.shape, part.shape[-1]
+            )
+            for part in self.derivatives
         )
 
     def rows(self, points: Indices, path_velocity: Indices, radii: Array) -> PenaltyRows:
@@ -112,9 +158,10 @@ class LoadLinearization:
         by_control_point = (self.by_control_point * radii).reshape(m, num_ratios, 4 * len(radii))
         values = np.concatenate([by_control_point, self.by_path_velocity], axis=2)[self.is_selected]
         path_velocity_columns = np.stack(
-            [path_velocity[self.intervals], path_velocity[self.intervals + 1]], axis=-1
+            [path_velocity[self.samples.intervals], path_velocity[self.samples.intervals + 1]],
+            axis=-1,
         )
-        control_point_columns = points[self.control_points].reshape(m, 4 * points.shape[1])
+        control_point_columns = points[self.samples.control_points].reshape(m, 4 * points.shape[1])
         columns = np.repeat(
             np.concatenate([control_point_columns, path_velocity_columns], axis=1),
             self.is_selected.sum(axis=1),
@@ -123,7 +170,7 @@ class LoadLinearization:
         ratios = self.ratios[self.is_selected]
         max_change = _MAX_CHANGE_FACTOR * np.abs(values).sum(axis=1) / self.bound
         # Both bounds of a row follow each other: rows of the same columns are one block.
-        signs = np.array(self.signs)
+        signs = np.array(_BOTH_SIGNS if self.vectors.shape[2] == 1 else _UPPER_SIGNS)
         lower_bounds = signs * ratios[:, None] / self.bound - 1
         rows, chosen = np.nonzero(lower_bounds > -max_change[:, None])
         row_values = -signs[chosen, None] * values[rows] / self.bound

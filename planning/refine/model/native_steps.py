@@ -4,7 +4,6 @@ The same as `CurveModel.reference_step` in numpy, which is the reference, and wh
 kernel.
 """
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,13 +15,7 @@ from planning.refine.constraints.rate_bounds import RateBounds
 from planning.refine.curves.bspline_basis import BasisWeights
 from planning.refine.curves.curve_evaluation import DISTANCE_PENALTY, CurveEvaluation
 from planning.refine.curves.native_grid import kernel_bounds
-from planning.refine.model.penalty_qp import (
-    MAX_STEPS,
-    TOLERANCE,
-    PenaltyRows,
-    bounds_of,
-    compressed,
-)
+from planning.refine.model.penalty_qp import MAX_STEPS, TOLERANCE
 from planning.refine.model.variable_layout import VariableLayout
 
 _NO_INTEGERS, _NO_NUMBERS = np.zeros(0, dtype=np.int64), np.zeros(0)
@@ -55,7 +48,6 @@ class NativeSteps:
         self,
         evaluation: CurveEvaluation,
         radii: Float64[np.ndarray, " nq"],
-        load_rows: Sequence[PenaltyRows],
         distance_weights: BasisWeights,
     ) -> tuple[Array, float]:
         """Return the control points of the model's minimizer, and the predicted decrease [s].
@@ -63,7 +55,6 @@ class NativeSteps:
         Args:
             evaluation: Evaluation of the curve around which the model is.
             radii: Half of the box's sides around every control point.
-            load_rows: Rows of loads.
             distance_weights: Weights of the control points at the instants of distances.
         """
         distances = evaluation.distances
@@ -82,9 +73,29 @@ class NativeSteps:
             self._layout,
             self._model_weights,
             (radii, *self._limits),
-            (*compressed(load_rows), *bounds_of(load_rows)) if load_rows else _NO_ROWS,
+            self._load_rows(evaluation, radii),
             margins,
             TOLERANCE,
             MAX_STEPS,
         )
         return step
+
+    def _load_rows(self, evaluation: CurveEvaluation, radii: Array) -> tuple[Any, ...]:
+        """Return starts, columns, values, least sums and prices of the rows of all loads."""
+        points, path_velocity, _ = self._layout
+        parts = [
+            rows
+            for linearization in evaluation.load_linearizations
+            if (rows := linearization.native_rows(points, path_velocity, radii)) is not None
+        ]
+        if not parts:
+            return _NO_ROWS
+        if len(parts) == 1:
+            return parts[0]
+        starts, columns, values, least, prices = zip(*parts, strict=True)
+        offsets = np.cumsum([0, *(part[-1] for part in starts)])
+        begins = [part[:-1] + begin for part, begin in zip(starts, offsets, strict=False)]
+        return (
+            np.concatenate([*begins, offsets[-1:]]),
+            *(np.concatenate(part) for part in (columns, values, least, prices)),
+        )

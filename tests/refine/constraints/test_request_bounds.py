@@ -79,7 +79,7 @@ def test_linearizations_predict_the_loads_of_nearby_motions(name, kind, seed):
     (linearization,) = [
         s for s in evaluation.load_linearizations(path_velocity, 1.0) if s.bound == 1.0
     ]
-    assume(len(linearization.sample_indices) > 0)
+    assume(len(linearization.samples.grid_indices) > 0)
     moved, faster, h = rng.normal(size=points.shape), rng.normal(size=len(path_velocity)), 1e-6
     after = LoadEvaluation.of(points + h * moved, bounds.loads)
     before = LoadEvaluation.of(points - h * moved, bounds.loads)
@@ -88,14 +88,14 @@ def test_linearizations_predict_the_loads_of_nearby_motions(name, kind, seed):
     )
     change /= 2 * h
     predicted = np.einsum(
-        "mrkj,mkj->mr", linearization.by_control_point, moved[linearization.control_points]
+        "mrkj,mkj->mr", linearization.by_control_point, moved[linearization.samples.control_points]
     )
     predicted += np.einsum(
         "mre,me->mr",
         linearization.by_path_velocity,
-        faster[linearization.intervals[:, None] + [0, 1]],
+        faster[linearization.samples.intervals[:, None] + [0, 1]],
     )
-    place = linearization.intervals + linearization.sample_indices
+    place = linearization.samples.intervals + linearization.samples.grid_indices
     # The first plane of a ball is tangent in the vector's direction; torques have a sign.
     balls = change.shape[1]
     predicted = predicted.reshape(len(place), balls, -1)[:, :, 0]
@@ -194,7 +194,7 @@ def test_excessive_static_loads_cost_and_are_linearized(seed):
         np.ones(len(evaluation.states_by_num_parts[1][0])), 1.0
     )
     moved, h = rng.normal(size=points.shape), 1e-6
-    at = linearization.sample_indices
+    at = linearization.samples.grid_indices
     change = weak.static_load(
         LoadEvaluation.of(points + h * moved, (weak,)).states_by_num_parts[1][0][at]
     )

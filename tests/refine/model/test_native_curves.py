@@ -19,6 +19,8 @@ from planning.refine.curves.path_velocity import (
 )
 from planning.refine.model.curve_model import CurveModel
 from planning.refine.model.load_evaluation import path_velocity_along
+from planning.refine.model.penalty_qp import bounds_of, compressed
+from planning.refine.model.variable_layout import make_variable_layout
 from tests.profiles import num_cases
 from tests.refine.arms import ARMS, KINDS, arm_of, bounds_under, curve_points, limits_of
 
@@ -83,6 +85,29 @@ def test_the_path_velocity_is_that_of_all_rows(name, seed, jerk, count):
 def test_so_it_is_under_loads(name, kind, seed):
     points = curve_points(name, np.random.default_rng(seed))
     assert_same_path_velocity(points, bounds_under(name, limits_of(name, kind)))
+
+
+@EACH
+@pytest.mark.parametrize("kind", KINDS)
+@SOME
+@given(seed=SEEDS, radius=st.floats(0.001, 0.4))
+def test_rows_of_loads_are_those_of_numpy(name, kind, seed, radius):
+    rng = np.random.default_rng(seed)
+    points, bounds = curve_points(name, rng), bounds_under(name, limits_of(name, kind))
+    path_velocity, loads = path_velocity_along(points, bounds)
+    assert loads is not None
+    layout = make_variable_layout(*points.shape)
+    columns = layout.control_points.astype(np.int64), layout.path_velocity.astype(np.int64)
+    radii = radius * bounds.velocity
+    for linearization in loads.load_linearizations(path_velocity, 1.0):
+        rows = linearization.rows(*columns, radii)
+        expected = *compressed([rows]), *bounds_of([rows])
+        found = linearization.native_rows(*columns, radii)
+        assert (found is None) <= (len(rows.lower_bounds) == 0)
+        if found is not None:
+            for part, wanted in zip(found, expected, strict=True):
+                scale = np.abs(wanted).max(initial=1.0)
+                np.testing.assert_allclose(part, wanted, rtol=0, atol=1e-12 * scale)
 
 
 def assert_same_step(model: CurveModel, evaluation: CurveEvaluation, radius: float) -> None:

@@ -17,4 +17,5 @@ NB_MODULE(_native, m) {
   wayproof::bind_search(m);
   wayproof::bind_dynamics(m);
   wayproof::bind_torques(m);
+  wayproof::bind_loads(m);
 }

@@ -21,6 +21,7 @@ void bind_timing(nb::module_& m);
 void bind_search(nb::module_& m);
 void bind_dynamics(nb::module_& m);
 void bind_torques(nb::module_& m);
+void bind_loads(nb::module_& m);
 
 // A new numpy array that owns a copy of `values`.
 template <typename T, typename... Sizes>

@@ -1,4 +1,4 @@
-"""Valid calls of the torques' series in the native module."""
+"""Valid calls of what proofs and refinement know of loads in the native module."""
 
 from collections.abc import Callable
 from functools import partial
@@ -13,7 +13,7 @@ Z, MASS = np.array([0.0, 0.0, 1.0]), np.array([2.0, *np.full(6, 0.1), *X[:9]])
 GRAVITY = np.array([0.0, 0.0, -9.81])
 
 
-def series_calls(module: Any) -> dict[str, Call]:
+def load_calls(module: Any) -> dict[str, Call]:
     """Return them by name."""
     torques = module.TorqueSeries(2, 2, GRAVITY)
     kinds = module.JointKind
@@ -36,7 +36,23 @@ def series_calls(module: Any) -> dict[str, Call]:
             middles=(np.full(3, 0.1), EXACT), halves=(np.full(3, 0.1), EXACT), order=(2, INDEX),
             kernel=("base", OBJECT),
         ),
+        "load_rows": call(
+            partial(with_instants, module.load_rows), first_points=(np.array([0, 1, 1]), INDICES),
+            intervals=(np.array([0, 1, 1]), INDICES), fractions=(np.array([0, 0.5, 1]), EXACT),
+            ends=(np.ones((3, 2)), EXACT), rates=(np.ones((2, 3, 2)), EXACT),
+            weights=(np.ones((3, 3, 4)), EXACT), step=(0.5, SCALAR),
+            ratios=(np.ones((3, 1, 3)), EXACT), derivatives=(np.ones((3, 3, 1, 3, 2)), EXACT),
+            point_columns=(np.arange(-2, 8).clip(-1).reshape(5, 2), OBJECT),
+            velocity_columns=(np.array([-1, 8, -1]), OBJECT), radii=(np.ones(2), EXACT),
+            bound=(1.0, SCALAR), price=(1.0, SCALAR), is_static=(False, OBJECT),
+        ),
     }  # fmt: skip
+
+
+def with_instants(function: Callable[..., Any], **given: Any) -> Any:
+    names = ("first_points", "intervals", "fractions", "ends", "rates", "weights", "step")
+    layout = tuple(given.pop(name) for name in ("point_columns", "velocity_columns"))
+    return function(instants=tuple(given.pop(name) for name in names), layout=layout, **given)
 
 
 def with_pairs(function: Callable[..., Any], **given: Any) -> Any:
