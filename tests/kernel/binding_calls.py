@@ -96,9 +96,9 @@ def checker() -> Any:
     )
 
 
-def chain() -> Any:
+def chain(*, floats: bool = True) -> Any:
     module: Any = native()
-    return module.Chain(*(value for value, _ in group(floats=True).values()), 2, IDENTITY)
+    return module.Chain(*(value for value, _ in group(floats=floats).values()), 2, IDENTITY)
 
 
 def masses() -> dict[str, tuple[Any, int]]:
@@ -265,6 +265,10 @@ def calls() -> dict[str, Call]:
         "Chain": call(module.Chain, **group(floats=True), link=(2, INDEX), X_LT=(IDENTITY, EXACT)),
         "Chain.poses": call(chain().poses, qs=(with_ball, ROWS)),
         "Chain.jacobians": call(chain().jacobians, qs=(with_ball, ROWS)),
+        "Chain.velocity_gradients": call(
+            chain(floats=False).velocity_gradients, qs=(np.zeros((3, 4)), SIZING),
+            vs=(np.zeros((3, 4)), EXACT),
+        ),
         "Chain.solve": call(
             chain().solve, seeds=(with_ball, ROWS), target_of=(np.zeros(3, np.int64), INDICES),
             targets=(IDENTITY[None], ROWS), lower=(np.full(11, -9.0), EXACT),

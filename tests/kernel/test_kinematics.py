@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from planning.domain.robot.manifold import Manifold
@@ -109,6 +109,26 @@ def test_jacobians_are_the_slopes_of_drakes_poses(seed: int) -> None:
             angular = np.array([spin[2, 1], spin[0, 2], spin[1, 0]])
             expected = np.concatenate([angular, slope[:3, 3]])
             np.testing.assert_allclose(column, expected, atol=1e-6)
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+@settings(max_examples=num_cases(20))
+def test_gradients_of_velocities_are_their_slopes(seed: int) -> None:
+    robot, frame, qs = made_up(seed)
+    assume(all(joint.type is not FLOATING for joint in robot.group.joints))
+    chain: Any = kernel_chain(robot.model, robot.group, robot.state, frame)
+    vs = np.random.default_rng(seed).normal(size=qs.shape)
+    step = 1e-6
+    found = chain.velocity_gradients(qs, vs)
+    for j, direction in enumerate(np.eye(qs.shape[1])):
+        after, before = (
+            np.einsum("nij,nj->ni", chain.jacobians(qs + sign * step * direction)[:, 3:], vs)
+            for sign in (1, -1)
+        )
+        scale = 1 + np.abs(found).max()
+        np.testing.assert_allclose(
+            found[:, :, j], (after - before) / (2 * step), rtol=0, atol=1e-8 * scale
+        )
 
 
 def test_what_the_group_does_not_move_stays() -> None:

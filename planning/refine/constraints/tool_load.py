@@ -76,6 +76,13 @@ class ToolLoad:
 
         J is the derivative of the origin's position, so that d(J' v)/dv = 2 d(J v)/dq.
         """
+        gradients = (
+            self.kinematics.velocity_gradients(q, v) if self.limit.acceleration is None else None
+        )
+        if gradients is not None:
+            jacobian = self.kinematics.velocity_jacobians(q)[:, 3:]
+            by_velocity = np.stack([gradients, jacobian, np.zeros_like(jacobian)])
+            return by_velocity[:, :, None] / self._max_speed
         # The two rows of a grid point differ in vdot alone.
         is_new = np.append(True, ((q[1:] != q[:-1]) | (v[1:] != v[:-1])).any(axis=1))[: len(q)]
         new_rows, row_indices = np.flatnonzero(is_new), np.cumsum(is_new) - 1

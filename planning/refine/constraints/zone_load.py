@@ -56,9 +56,9 @@ class ZoneLoad:
 
     def derivatives(self, q: Array, v: Array, vdot: Array) -> Array:  # noqa: ARG002
         """Return the derivatives of the load ratios."""
-        (by_q,) = difference_quotients(lambda at: self._speed_ratios(at, tile_rows(v, len(at))), q)
         jacobian = self.box.kinematics.velocity_jacobians(q)[:, 3:]
         by_v = jacobian * (self._zone_weights(q) / self.speed)[:, None, None]
+        by_q = self._by_position(q, v, jacobian)
         return np.stack([by_q, by_v, np.zeros_like(by_v)])[:, :, None]
 
     def path_velocity_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:  # noqa: ARG002
@@ -74,16 +74,43 @@ class ZoneLoad:
         """Return 0: there may be a path around the zone."""
         return 0.0
 
+    def _by_position(self, q: Array, v: Array, jacobian: Array) -> Array:
+        """Return the derivatives of the ratios by q: those of the velocity, and of the weight."""
+        gradients = self.box.kinematics.velocity_gradients(q, v)
+        if gradients is None:
+            (by_q,) = difference_quotients(
+                lambda at: self._speed_ratios(at, tile_rows(v, len(at))), q
+            )
+            return by_q
+        fractions = self._fractions(q)
+        # The weight is f^2 (3 - 2 f).
+        slopes = -6 * fractions * (1 - fractions) / ((_OUTER_RANGE + _INNER_RANGE) * self._scale)
+        weight_by_q = slopes[:, None] * np.einsum(
+            "mi,mij->mj", self.box.margin_gradients(q), jacobian
+        )
+        velocities = np.einsum("mij,mj->mi", jacobian, v)
+        weighted = gradients * self._weights_of(fractions)[:, None, None]
+        return (weighted + velocities[:, :, None] * weight_by_q[:, None]) / self.speed
+
     def _speed_ratios(self, q: Array, v: Array) -> Array:
         velocities = self.box.kinematics.velocities(q, v)
         return velocities * (self._zone_weights(q) / self.speed)[:, None]
 
     def _zone_weights(self, q: Array) -> Array:
         """Return the smooth weight of the zone in each row, 0 outside to 1 inside."""
-        scale = min(1.0, float(self.box.half.min()) / _MIN_HALF_SIDE)
-        depth = _OUTER_RANGE * scale - self.box.signed_margins(q)
-        fraction = np.clip(depth / ((_OUTER_RANGE + _INNER_RANGE) * scale), 0.0, 1.0)
-        return fraction**2 * (3 - 2 * fraction)
+        return self._weights_of(self._fractions(q))
+
+    def _fractions(self, q: Array) -> Array:
+        """Return where in the range of the weight each row is, 0 before to 1 behind."""
+        depth = _OUTER_RANGE * self._scale - self.box.signed_margins(q)
+        return np.clip(depth / ((_OUTER_RANGE + _INNER_RANGE) * self._scale), 0.0, 1.0)
+
+    @property
+    def _scale(self) -> float:
+        return min(1.0, float(self.box.half.min()) / _MIN_HALF_SIDE)
+
+    def _weights_of(self, fractions: Array) -> Array:
+        return fractions**2 * (3 - 2 * fractions)
 
 
 def make_zone_constraint(world: World, group: JointGroup, zone: SpeedZone) -> BoxConstraint:

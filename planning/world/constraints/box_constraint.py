@@ -87,6 +87,19 @@ class BoxConstraint:
         """Return each row's origin in the box frame B [m]."""
         return (self.kinematics.poses(qs)[1] - self.pose.position) @ self._rotation
 
+    def margin_gradients(self, qs: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, "m 3"]:
+        """Return the derivatives of `signed_margins` by the origin's position in W, to keep out.
+
+        Where the nearest face changes, of one of them.
+        """
+        local = self.origins_in_box(qs)
+        excess = np.abs(local) - self.half
+        outside = np.maximum(excess, 0.0)
+        lengths = np.linalg.norm(outside, axis=1, keepdims=True)
+        nearest = np.eye(3)[np.argmax(excess, axis=1)]
+        normals = np.where(lengths > 0, outside / np.where(lengths > 0, lengths, 1.0), nearest)
+        return (normals * np.where(local < 0, -1.0, 1.0)) @ self._rotation.T
+
     def signed_margins(self, qs: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, " m"]:
         """Return the signed margin of each row: distance from the faces, positive if kept [m]."""
         excess = np.abs(self.origins_in_box(qs)) - self.half

@@ -78,6 +78,18 @@ class ToolKinematics:
         """Return v_WT of T's origin [m/s] for Drake's generalized velocities."""
         return np.einsum("nij,nj->ni", self.velocity_jacobians(qs)[:, 3:], vs)
 
+    def velocity_gradients(
+        self, qs: Float64[np.ndarray, "n nq"], vs: Float64[np.ndarray, "n nv"]
+    ) -> Float64[np.ndarray, "n 3 nq"] | None:
+        """Return the derivatives of `velocities` by q at constant v.
+
+        None where there is no kernel, or a joint floats.
+        """
+        if self._chain is None or self._floating_offsets:
+            return None
+        found: Array = self._chain.velocity_gradients(*map(np.ascontiguousarray, (qs, vs)))
+        return found
+
     def velocity_jacobians(self, qs: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n 6 nv"]:
         """Return the same by the group's v, which are Drake's generalized velocities."""
         if self._chain is None:

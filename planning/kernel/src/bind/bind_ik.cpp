@@ -50,6 +50,20 @@ auto jacobians(const Chain& c, const Doubles& qs) {
   return array_of(found, rows.rows, 6, velocities_of(c));
 }
 
+auto velocity_gradients(const Chain& c, const Doubles& qs, const Doubles& vs) {
+  const Table rows = table(qs, positions_of(c), "qs");
+  const Table rates = table(vs, rows.rows, velocities_of(c), "vs");
+  require(c.quaternions.empty(), "a joint floats: velocities have no gradient by its coordinates");
+  const std::size_t size = 3 * velocities_of(c);
+  std::vector<double> found(size * rows.rows);
+  {
+    nb::gil_scoped_release released;
+    for (std::size_t i = 0; i < rows.rows; ++i)
+      c.velocity_gradient({rows.row(i), rows.columns}, {rates.row(i), rates.columns}, {found.data() + size * i, size});
+  }
+  return array_of(found, rows.rows, 3, velocities_of(c));
+}
+
 IkTolerance tolerance(const Doubles& box, Freedom freedom, std::int64_t axis, double bound) {
   const Vec3 widths = vec(box, "box");
   return {{widths.x, widths.y, widths.z}, freedom, index(axis, 3, "axis"), finite(bound, "bound")};
@@ -104,6 +118,7 @@ void bind_ik(nb::module_& m) {
            nb::arg("link"), nb::arg("X_LT"))
       .def("poses", &poses, nb::arg("qs"))
       .def("jacobians", &jacobians, nb::arg("qs"))
+      .def("velocity_gradients", &velocity_gradients, nb::arg("qs"), nb::arg("vs"))
       .def("solve", &solve, nb::arg("seeds"), nb::arg("target_of"), nb::arg("targets"), nb::arg("lower"),
            nb::arg("upper"), nb::arg("tolerance"), nb::arg("enough"), nb::arg("max_iterations"),
            nb::arg("kernel") = "");

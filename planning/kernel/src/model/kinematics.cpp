@@ -132,8 +132,8 @@ Transform Chain::pose(std::span<const double> q) const {
   return X_WM * X_MT;
 }
 
-void Chain::jacobian(std::span<const double> q, std::span<double> J) const {
-  std::fill(J.begin(), J.end(), 0.0);
+template <typename Visit>
+void Chain::visit_rates(std::span<const double> q, Visit visit) const {
   const Vec3 p_WT = pose(q).p;
   Transform X_WM;
   for (const ChainJoint& joint : joints) {
@@ -141,9 +141,9 @@ void Chain::jacobian(std::span<const double> q, std::span<double> J) const {
     X_WM = X_WF * moved(joint, q);
     const Vec3 arm = p_WT - X_WM.p;
     const auto turning = [&](int rate, int i) {
-      put(J, num_velocities, joint.rates[rate], axis_of(X_WF.R, i), cross(axis_of(X_WF.R, i), arm));
+      visit(joint.rates[rate], axis_of(X_WF.R, i), cross(axis_of(X_WF.R, i), arm));
     };
-    const auto sliding = [&](int rate, int i) { put(J, num_velocities, joint.rates[rate], {}, axis_of(X_WF.R, i)); };
+    const auto sliding = [&](int rate, int i) { visit(joint.rates[rate], Vec3{}, axis_of(X_WF.R, i)); };
     switch (joint.kind) {
       case JointKind::revolute: turning(0, 2); break;
       case JointKind::prismatic: sliding(0, 2); break;
@@ -161,6 +161,28 @@ void Chain::jacobian(std::span<const double> q, std::span<double> J) const {
       case JointKind::fixed: break;
     }
   }
+}
+
+void Chain::jacobian(std::span<const double> q, std::span<double> J) const {
+  std::fill(J.begin(), J.end(), 0.0);
+  visit_rates(q, [&](const ChainRate& rate, Vec3 w, Vec3 v) { put(J, num_velocities, rate, w, v); });
+}
+
+// A joint k nearer to the base than m, or m itself, turns the column v_m: its derivative by k is w_k x v_m; so that by
+// m of v_k is w_k x v_m as well.
+void Chain::velocity_gradient(std::span<const double> q, std::span<const double> v, std::span<double> gradient) const {
+  std::fill(gradient.begin(), gradient.end(), 0.0);
+  Vec3 beyond;  // velocity by the rates from the present one to the tip
+  const auto speed = [&](const ChainRate& rate) { return rate.column < 0 ? 0 : rate.factor * v[rate.column]; };
+  visit_rates(q, [&](const ChainRate& rate, Vec3, Vec3 by_rate) { beyond = beyond + speed(rate) * by_rate; });
+  Vec3 before;  // angular velocity by the rates from the base to the one before
+  visit_rates(q, [&](const ChainRate& rate, Vec3 w, Vec3 by_rate) {
+    const Vec3 change = cross(w, beyond) + cross(before, by_rate);
+    if (rate.column >= 0)
+      for (int i = 0; i < 3; ++i) gradient[i * num_velocities + rate.column] += rate.factor * change[i];
+    beyond = beyond - speed(rate) * by_rate;
+    before = before + speed(rate) * w;
+  });
 }
 
 }  // namespace wayproof

@@ -52,6 +52,15 @@ struct Chain {
 
   // Geometric Jacobian J, [6][num_velocities]: [w_WT; v_WT] = J v, all in W.
   void jacobian(std::span<const double> q, std::span<double> J) const;
+
+  // Derivatives of v_WT = J v of T's origin by the group's coordinates at a constant v, [3][num_velocities]; not for
+  // joints that float.
+  void velocity_gradient(std::span<const double> q, std::span<const double> v, std::span<double> gradient) const;
+
+ private:
+  // Calls `visit(rate, w, v)` with the spatial velocity of T per unit of each rate, from the base to the tip.
+  template <typename Visit>
+  void visit_rates(std::span<const double> q, Visit visit) const;
 };
 
 }  // namespace wayproof
