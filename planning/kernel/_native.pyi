@@ -195,6 +195,15 @@ class TorqueSeries:
         order: int,
         kernel: str = "",
     ) -> tuple[_Doubles, _Doubles]: ...
+    def points(
+        self,
+        bases: _Doubles,
+        coefficients: _Doubles,
+        pieces: _Integers,
+        middles: _Doubles,
+        point: _Doubles,
+        kernel: str = "",
+    ) -> _Doubles: ...
 
 class DistanceQuery:
     def __init__(

@@ -36,6 +36,11 @@ def load_calls(module: Any) -> dict[str, Call]:
             middles=(np.full(3, 0.1), EXACT), halves=(np.full(3, 0.1), EXACT), order=(2, INDEX),
             kernel=("base", OBJECT),
         ),
+        "TorqueSeries.points": call(
+            torques.points, bases=(np.zeros((2, 2)), SIZING),
+            coefficients=(np.ones((2, 4, 2)), EXACT), pieces=(np.array([0, 1, 1]), INDICES),
+            middles=(np.full(3, 0.1), EXACT), point=(Z, EXACT), kernel=("base", OBJECT),
+        ),
         "load_rows": call(
             partial(with_instants, module.load_rows), first_points=(np.array([0, 1, 1]), INDICES),
             intervals=(np.array([0, 1, 1]), INDICES), fractions=(np.array([0, 0.5, 1]), EXACT),

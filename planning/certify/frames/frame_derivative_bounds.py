@@ -45,7 +45,7 @@ from planning.world.drake_model import DrakeModel
 _ORDER = 4
 _FACTORIALS = np.array([float(factorial(m)) for m in range(_ORDER + 1)])
 # Bound on the relative rounding error of sums and products here, and of kinematics.
-_RELATIVE_ROUNDING = 64 * UNIT_ROUNDOFF
+_RELATIVE_ROUNDING = 2**10 * UNIT_ROUNDOFF
 # Times that rounding errors are added: in the bound, and in the wider one that bounds errors.
 _NUM_ERRORS = np.array([1.0, 2.0])[:, None, None]
 

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 from pydrake.multibody.tree import JacobianWrtVariable
 
+from planning.certify.frames.kernel_points import KernelPoints
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory, derivative
@@ -50,7 +51,7 @@ class FrameMotion:
 
 
 class FrameStates:
-    """States of one frame along one trajectory, by Drake in a context of its own."""
+    """States of one frame along one trajectory, by the kernel or Drake in a context of its own."""
 
     def __init__(self, model: DrakeModel, request: CertifyRequest, frame: str) -> None:
         """Prepare; the frame must exist."""
@@ -58,6 +59,7 @@ class FrameStates:
         self._frame = model.frame(frame)
         self._context: Any = model.plant.CreateDefaultContext()
         self._columns = model.velocity_indices(request.group)
+        self._kernel = KernelPoints.of(model, request, frame)
 
     def at(self, pieces: Any, local: Float64[np.ndarray, " n"], deadline: Deadline) -> FrameMotion:
         """Return the frame's motion at instants of given pieces, also where two pieces meet.
@@ -72,6 +74,9 @@ class FrameStates:
             Canceled: The caller canceled.
         """
         request, model = self._request, self._model
+        if self._kernel is not None:
+            deadline.check("certify")
+            return FrameMotion(*self._kernel.at(pieces, local))
         q, v, vdot = _joint_states(request.trajectory, pieces, local)
         full = model.embed(request.group, q, request.state)
         rates = [self._plant_rates(x) for x in (v, vdot)]

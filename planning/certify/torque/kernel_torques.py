@@ -31,27 +31,8 @@ class KernelTorques:
         trajectory: TimedTrajectory,
     ) -> "KernelTorques | None":
         """Prepare, or return None where there is no kernel, or a link turns in space."""
-        module: Any = native()
-        if module is None or any(link.motion.kind is MotionKind.SPHERICAL for link in links):
-            return None
-        num_velocities = trajectory.coefficients.shape[2]
-        chain = module.TorqueSeries(trajectory.bases.shape[1], num_velocities, gravity)
-        kinds = {
-            MotionKind.REVOLUTE: module.JointKind.REVOLUTE,
-            MotionKind.PRISMATIC: module.JointKind.PRISMATIC,
-        }
-        for link in links:
-            motion = link.motion
-            chain.add_link(
-                link.parent,
-                np.concatenate([link.X_PF[:3, :3].ravel(), link.X_PF[:3, 3]]),
-                kinds[motion.kind],
-                motion.axis,
-                (motion.position_index, motion.velocity_index, motion.scale, motion.offset),
-                (motion.damping, motion.rotor_inertia),
-                _mass(link),
-            )
-        return cls(chain, trajectory)
+        chain = kernel_chain(links, gravity, trajectory)
+        return None if chain is None else cls(chain, trajectory)
 
     def polynomials(
         self,
@@ -81,6 +62,33 @@ class KernelTorques:
             instruction_set,
         )
         return found
+
+
+def kernel_chain(
+    links: tuple[Link, ...], gravity: Float64[np.ndarray, "3"], trajectory: TimedTrajectory
+) -> Any | None:
+    """Return the kernel's chain of links; None without a kernel, or if a link turns in space."""
+    module: Any = native()
+    if module is None or any(link.motion.kind is MotionKind.SPHERICAL for link in links):
+        return None
+    num_velocities = trajectory.coefficients.shape[2]
+    chain = module.TorqueSeries(trajectory.bases.shape[1], num_velocities, gravity)
+    kinds = {
+        MotionKind.REVOLUTE: module.JointKind.REVOLUTE,
+        MotionKind.PRISMATIC: module.JointKind.PRISMATIC,
+    }
+    for link in links:
+        motion = link.motion
+        chain.add_link(
+            link.parent,
+            np.concatenate([link.X_PF[:3, :3].ravel(), link.X_PF[:3, 3]]),
+            kinds[motion.kind],
+            motion.axis,
+            (motion.position_index, motion.velocity_index, motion.scale, motion.offset),
+            (motion.damping, motion.rotor_inertia),
+            _mass(link),
+        )
+    return chain
 
 
 def _mass(link: Link) -> Array:

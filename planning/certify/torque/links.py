@@ -67,11 +67,38 @@ def links_of(model: DrakeModel, request: CertifyRequest) -> tuple[Link, ...]:
     return _LinkBuilder(model, request).run()
 
 
+def chain_to(
+    model: DrakeModel, request: CertifyRequest, frame: str
+) -> tuple[tuple[Link, ...], Array]:
+    """Return the links between the world and a frame, without inertia, and the frame's origin.
+
+    The origin is in the last link, or in the world where there is none [m], shape (3,).
+
+    Raises:
+        ModelInvalid: A joint is of a kind that cannot be certified.
+    """
+    builder = _LinkBuilder(model, request, has_loads=False)
+    links, tool = builder.run(), model.frame(frame)
+    placement = builder.placements[int(tool.body)]
+    way: list[int] = []
+    link = placement.link
+    while link >= 0:
+        way.insert(0, link)
+        link = links[link].parent
+    chain = tuple(replace(links[index], parent=k - 1) for k, index in enumerate(way))
+    return chain, (placement.pose @ _matrix(tool.pose_in_body))[:3, 3]
+
+
 class _LinkBuilder:
     """One traversal of the model from the world to the tips."""
 
-    def __init__(self, model: DrakeModel, request: CertifyRequest) -> None:
+    def __init__(
+        self, model: DrakeModel, request: CertifyRequest, *, has_loads: bool = True
+    ) -> None:
         self._model, self._plant, self._payload = model, model.plant, request.payload
+        self._has_loads = has_loads
+        world = int(model.plant.world_body().index())
+        self.placements = {world: _BodyPlacement(-1, np.eye(4))}
         self._context = model.plant.CreateDefaultContext()
         self._plant.SetPositions(self._context, model.apply_couplings(np.array(request.state)))
         self._motions = JointMotions(model, request.group)
@@ -80,20 +107,19 @@ class _LinkBuilder:
 
     def run(self) -> tuple[Link, ...]:
         neighbours = self._neighbours()
-        pending: list[tuple[Any, _BodyPlacement]] = [
-            (self._plant.world_body(), _BodyPlacement(-1, np.eye(4)))
-        ]
-        visited = {int(self._plant.world_body().index())}
+        pending: list[Any] = [self._plant.world_body()]
         while pending:
-            body, placement = pending.pop()
+            body = pending.pop()
+            placement = self.placements[int(body.index())]
             for joint in neighbours.get(int(body.index()), []):
                 is_forward = joint.parent_body().index() == body.index()
                 other = joint.child_body() if is_forward else joint.parent_body()
-                if int(other.index()) not in visited:
-                    visited.add(int(other.index()))
+                if int(other.index()) not in self.placements:
                     other_placement = self._across_joint(joint, placement, is_forward=is_forward)
-                    self._add_inertia(other, other_placement)
-                    pending.append((other, other_placement))
+                    self.placements[int(other.index())] = other_placement
+                    if self._has_loads:
+                        self._add_inertia(other, other_placement)
+                    pending.append(other)
         return tuple(self._links)
 
     def _neighbours(self) -> dict[int, list[Any]]:
@@ -125,7 +151,8 @@ class _LinkBuilder:
                 raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
             motions = [motions[0].reversed]
         link = placement.link
-        for motion, damping in zip(motions, self._dampings(joint, motions), strict=True):
+        dampings = self._dampings(joint, motions) if self._has_loads else [0.0] * len(motions)
+        for motion, damping in zip(motions, dampings, strict=True):
             rotor_inertia = self._rotor_inertias.get(int(joint.index()), 0.0)
             damped_motion = replace(motion, damping=damping, rotor_inertia=rotor_inertia)
             self._links.append(Link(link, x_near, damped_motion, np.zeros((4, 4))))

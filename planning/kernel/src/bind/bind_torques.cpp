@@ -61,32 +61,58 @@ void add_link(TorqueSeries& self, std::int64_t parent, const Doubles& X_PF, Join
   self.add_link(link);
 }
 
-auto polynomials(const TorqueSeries& self, const Doubles& bases, const Doubles& coefficients, const Integers& pieces,
-                 const Doubles& middles, const Doubles& halves, int order, const std::string& name) {
+// A motion [pieces][terms][nv], and instants or segments of it.
+struct Motion {
+  std::size_t terms = 0;
+  std::vector<SeriesSegment> segments;
+};
+
+Motion motion_of(const TorqueSeries& self, const Doubles& bases, const Doubles& coefficients, const Integers& pieces,
+                 const Doubles& middles, const Doubles* halves) {
   const std::size_t nv = static_cast<std::size_t>(self.num_velocities());
   const Table starts = table(bases, static_cast<std::size_t>(self.num_positions()), "bases");
   if (coefficients.ndim() != 3 || coefficients.shape(0) != starts.rows || coefficients.shape(1) < 1 ||
       coefficients.shape(1) > most_terms || coefficients.shape(2) != nv)
     refuse("coefficients do not have the shape (pieces, 1 to 1000, velocities)");
-  const std::size_t terms = coefficients.shape(1);
+  Motion motion{coefficients.shape(1), {}};
   finite(starts.all(), "bases"), finite({coefficients.data(), coefficients.size()}, "coefficients");
   const auto owners = indices(row(pieces, "pieces"), starts.rows, "pieces");
   const auto at = finite(row(middles, owners.size(), "middles"), "middles");
-  const auto half = finite(row(halves, owners.size(), "halves"), "halves");
+  const auto half = halves ? finite(row(*halves, owners.size(), "halves"), "halves") : std::span<const double>{};
+  for (std::size_t i = 0; i < owners.size(); ++i) {
+    require(!halves || half[i] >= 0, "halves has a negative width");
+    const auto piece = static_cast<std::size_t>(owners[i]);
+    const double* of_piece = coefficients.data() + piece * motion.terms * nv;
+    motion.segments.push_back({starts.row(piece), of_piece, at[i], halves ? half[i] : 0});
+  }
+  return motion;
+}
+
+auto polynomials(const TorqueSeries& self, const Doubles& bases, const Doubles& coefficients, const Integers& pieces,
+                 const Doubles& middles, const Doubles& halves, int order, const std::string& name) {
+  const Motion motion = motion_of(self, bases, coefficients, pieces, middles, &halves);
   if (order < 0 || order > 2) refuse("order is " + std::to_string(order) + ", not 0, 1 or 2");
   const SeriesKernel kernel = kernel_named(name, &series_kernels);
-  std::vector<SeriesSegment> segments;
-  for (std::size_t i = 0; i < owners.size(); ++i) {
-    require(half[i] >= 0, "halves has a negative width");
-    const auto piece = static_cast<std::size_t>(owners[i]);
-    segments.push_back({starts.row(piece), coefficients.data() + piece * terms * nv, at[i], half[i]});
-  }
-  std::vector<double> taylor(segments.size() * torque_terms * nv), errors(segments.size() * nv);
+  const std::size_t nv = static_cast<std::size_t>(self.num_velocities()), count = motion.segments.size();
+  std::vector<double> taylor(count * torque_terms * nv), errors(count * nv);
   {
     nb::gil_scoped_release released;
-    self.of(segments, static_cast<int>(terms), order, kernel, taylor.data(), errors.data());
+    self.of(motion.segments, static_cast<int>(motion.terms), order, kernel, taylor.data(), errors.data());
   }
-  return nb::make_tuple(array_of(taylor, segments.size(), torque_terms, nv), array_of(errors, segments.size(), nv));
+  return nb::make_tuple(array_of(taylor, count, torque_terms, nv), array_of(errors, count, nv));
+}
+
+auto points(const TorqueSeries& self, const Doubles& bases, const Doubles& coefficients, const Integers& pieces,
+            const Doubles& middles, const Doubles& point, const std::string& name) {
+  const Motion motion = motion_of(self, bases, coefficients, pieces, middles, nullptr);
+  const Vec3 fixed = vec(point, "point");
+  const SeriesKernel kernel = kernel_named(name, &series_kernels);
+  std::vector<double> found(motion.segments.size() * point_terms * 3);
+  {
+    nb::gil_scoped_release released;
+    self.points(motion.segments, static_cast<int>(motion.terms), fixed, kernel, found.data());
+  }
+  return array_of(found, motion.segments.size(), point_terms, 3);
 }
 
 }  // namespace
@@ -98,7 +124,10 @@ void bind_torques(nb::module_& m) {
            nb::arg("coordinate"), nb::arg("drive"), nb::arg("mass"))
       .def("polynomials", &polynomials, nb::arg("bases"), nb::arg("coefficients"), nb::arg("pieces"),
            nb::arg("middles"), nb::arg("halves"), nb::arg("order"), nb::arg("kernel") = "",
-           "Torque coefficients about the middles of segments, and bounds on their errors.");
+           "Torque coefficients about the middles of segments, and bounds on their errors.")
+      .def("points", &points, nb::arg("bases"), nb::arg("coefficients"), nb::arg("pieces"), nb::arg("middles"),
+           nb::arg("point"), nb::arg("kernel") = "",
+           "Position, velocity and acceleration of a point fixed in the last link, at instants of pieces.");
 }
 
 }  // namespace wayproof

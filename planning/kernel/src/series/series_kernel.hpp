@@ -11,6 +11,8 @@ namespace wayproof {
 inline constexpr int torque_terms = 5;
 // Coefficients of the coordinates that these need, and those that their remainders need.
 inline constexpr int motion_terms = torque_terms + 2, bound_terms = torque_terms + 3;
+// Position, velocity and acceleration of a point.
+inline constexpr int point_terms = 3;
 
 // A link that one coordinate turns about an axis, or shifts along it. Its frame is the one that moves.
 struct MovingLink {
@@ -48,6 +50,9 @@ struct SeriesKernel {
   // NaN where numbers overflow.
   void (*torques)(const SeriesChain& chain, const SeriesSegment* segments, int terms, double* work, double* taylor,
                   double* errors);
+  // Writes the motion [width][point_terms][3] of a point fixed in the last link, in W, at the segments' middles.
+  void (*points)(const SeriesChain& chain, const SeriesSegment* segments, int terms, const double* point, double* work,
+                 double* found);
 };
 
 // Writes those that run here, best first; returns their number.

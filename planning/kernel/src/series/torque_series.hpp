@@ -26,7 +26,13 @@ class TorqueSeries {
   void of(std::span<const SeriesSegment> segments, int terms, int order, const SeriesKernel& kernel, double* taylor,
           double* errors) const;
 
+  // Writes positions, velocities and accelerations [n][3][3] of a point fixed in the last link, at the middles.
+  void points(std::span<const SeriesSegment> segments, int terms, const Vec3& point, const SeriesKernel& kernel,
+              double* found) const;
+
  private:
+  SeriesChain chain_of(int order) const;
+
   SeriesChain chain_;
   std::vector<MovingLink> links_;
 };
