@@ -147,33 +147,35 @@ class _FrameSeries:
         majorants: list[tuple[Array, Array]] = []
         for _, indices in joints[moving.group_index].blocks:
             columns = [begin + i for i in indices]
-            sizes = np.stack(
-                [_largest_norm(form[:, :, columns]) for form, _ in self._forms], axis=1
-            )
-            errors = np.stack(
-                [np.linalg.norm(error[:, columns], axis=1) for _, error in self._forms], axis=1
-            )
+            forms, sizes, errors = self._forms
+            if len(columns) == 1:
+                sizes, errors = sizes[:, :, begin + indices[0]], errors[:, :, begin + indices[0]]
+            else:
+                sizes = np.stack([_largest_norm(form[:, :, columns]) for form in forms], axis=1)
+                errors = np.linalg.norm(errors[:, :, columns], axis=2)
             series = moving.scale * (sizes + _NUM_ERRORS * errors) / _FACTORIALS
             constants = moving.scale * (_NUM_ERRORS[:, :, 0] - 1) * errors[:, 0]
             majorants.append((series, constants))
         return majorants
 
     @cached_property
-    def _forms(self) -> list[tuple[Array, Array]]:
-        """Bernstein forms of the derivatives by order, and their rounding errors, (n, nv).
+    def _forms(self) -> tuple[list[Array], Array, Array]:
+        """Bernstein forms of the derivatives by order, their sizes, and their rounding errors.
 
-        Positions are relative to those at the beginning of the piece.
+        Positions are relative to those at the beginning of the piece. Sizes are the largest
+        coefficients of each coordinate, shape (n, 5, nv), as errors are.
         """
         curve = self._request.trajectory
-        forms: list[tuple[Array, Array]] = []
+        forms, sizes, errors = list[Array](), list[Array](), list[Array]()
         for m in range(_ORDER + 1):
             form = bernstein.from_power(
                 bernstein.derivative(curve.coefficients, m), np.diff(curve.breaks)
             )
             largest = np.abs(form).max(axis=1)
-            errors = rounding_bounds(largest, curve.coefficients, np.diff(curve.breaks), m)
-            forms.append((form if m else form - form[:, :1], errors))
-        return forms
+            errors.append(rounding_bounds(largest, curve.coefficients, np.diff(curve.breaks), m))
+            forms.append(form if m else form - form[:, :1])
+            sizes.append(largest if m else np.abs(forms[0]).max(axis=1))
+        return forms, np.stack(sizes, axis=1), np.stack(errors, axis=1)
 
     def _with_displacement(self, series: Array, joint: Any, first: int, last: int = 1) -> Array:
         """Return the series with the displacement of a joint at the beginning of each piece [m]."""
@@ -204,8 +206,7 @@ def _arm(link: ChainLink, translation: Array) -> Array:
 
 def _largest_norm(form: Array) -> Array:
     """Return the largest norm of a block's coefficients on each piece."""
-    sizes = np.abs(form[:, :, 0]) if form.shape[2] == 1 else np.linalg.norm(form, axis=2)
-    return sizes.max(axis=1)
+    return np.linalg.norm(form, axis=2).max(axis=1)
 
 
 def _with_constant(series: Array, constant: Array) -> Array:
