@@ -26,11 +26,11 @@ def even_edges(
     breaks: Float64[np.ndarray, " n_plus_1"], counts: Any
 ) -> Float64[np.ndarray, " m_plus_1"]:
     """Return edges that cut each piece between breaks into a number (`counts`) of equal parts."""
-    parts = [
-        np.linspace(a, b, n + 1)[:-1]
-        for a, b, n in zip(breaks[:-1], breaks[1:], counts, strict=True)
-    ]
-    return np.append(np.concatenate(parts), breaks[-1])
+    counts = np.asarray(counts)
+    owners = np.repeat(np.arange(len(counts)), counts)
+    within = np.arange(len(owners)) - (np.cumsum(counts) - counts)[owners]
+    edges = within * (np.diff(breaks) / counts)[owners] + breaks[owners]
+    return np.append(edges, breaks[-1])
 
 
 def with_extra_edges(
