@@ -115,15 +115,15 @@ class TorqueLimit:
         static_torques = self.dynamics.efforts(q, np.zeros_like(v), np.zeros_like(v))
         damping_torques = self.dynamics.damping * v
         dynamic_torques = self.dynamics.efforts(q, v, vdot) - static_torques - damping_torques
-        fractions = (steps.breaks[pieces] + local) / trajectory.duration
+        fractions = _with_midpoints((steps.breaks[pieces] + local) / trajectory.duration)
+        parts = [
+            _with_midpoints(part) for part in (static_torques, damping_torques, dynamic_torques)
+        ]
         utilizations: list[PathUtilization] = []
         for name, indices, limit in self._limited:
-            static, damping, dynamic = (
-                _with_midpoints(part[:, indices])
-                for part in (static_torques, damping_torques, dynamic_torques)
-            )
+            static, damping, dynamic = (part[:, indices] for part in parts)
             bound = limit * (1 - HEADROOM)
-            _validate_static_torques(name, norms(static), bound, _with_midpoints(fractions))
+            _validate_static_torques(name, norms(static), bound, fractions)
             time_scaling = _required_time_scaling(static, damping, dynamic, bound)
             fraction_at = _fraction_function(static, damping, dynamic, limit)
             utilizations.append(PathUtilization(name, time_scaling, fraction_at))
@@ -163,7 +163,8 @@ def _positions(curve: Curve, pieces: Any, local: Array) -> Array:
 
 def _with_midpoints(values: Array) -> Array:
     """Return values at beginnings, middles and ends of steps, and between them, by parabolas."""
-    begin, middle, end = np.split(values, 3)
+    count = len(values) // 3
+    begin, middle, end = values[:count], values[count : 2 * count], values[2 * count :]
     early, late = (
         0.375 * first + 0.75 * middle - 0.125 * last for first, last in ((begin, end), (end, begin))
     )
