@@ -57,8 +57,9 @@ class ZoneLoad:
     def derivatives(self, q: Array, v: Array, vdot: Array) -> Array:  # noqa: ARG002
         """Return the derivatives of the load ratios."""
         jacobian = self.box.kinematics.velocity_jacobians(q)[:, 3:]
-        by_v = jacobian * (self._zone_weights(q) / self.speed)[:, None, None]
-        by_q = self._by_position(q, v, jacobian)
+        fractions = self._fractions(q)
+        by_v = jacobian * (self._weights_of(fractions) / self.speed)[:, None, None]
+        by_q = self._by_position(q, v, jacobian, fractions)
         return np.stack([by_q, by_v, np.zeros_like(by_v)])[:, :, None]
 
     def path_velocity_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:  # noqa: ARG002
@@ -74,7 +75,7 @@ class ZoneLoad:
         """Return 0: there may be a path around the zone."""
         return 0.0
 
-    def _by_position(self, q: Array, v: Array, jacobian: Array) -> Array:
+    def _by_position(self, q: Array, v: Array, jacobian: Array, fractions: Array) -> Array:
         """Return the derivatives of the ratios by q: those of the velocity, and of the weight."""
         gradients = self.box.kinematics.velocity_gradients(q, v)
         if gradients is None:
@@ -82,7 +83,6 @@ class ZoneLoad:
                 lambda at: self._speed_ratios(at, tile_rows(v, len(at))), q
             )
             return by_q
-        fractions = self._fractions(q)
         # The weight is f^2 (3 - 2 f).
         slopes = -6 * fractions * (1 - fractions) / ((_OUTER_RANGE + _INNER_RANGE) * self._scale)
         weight_by_q = slopes[:, None] * np.einsum(

@@ -76,8 +76,13 @@ class LoadEvaluation:
         static_loads = (
             LoadLinearization.of_static_load(load, samples[load.num_parts], penalty)
             for load in self.loads
+            if self._has_static_load(load)
         )
         return (*dynamic_loads, *static_loads)
+
+    def _has_static_load(self, load: Load) -> bool:
+        positions = self.states_by_num_parts[load.num_parts][0]
+        return load.static_load(positions[:1]).shape[1] > 0
 
 
 def _sample_states(points: Float64[np.ndarray, "k nq"], num_parts: int) -> Array:
