@@ -111,9 +111,9 @@ def masses() -> dict[str, tuple[Any, int]]:
     }
 
 
-def dynamics() -> Any:
+def dynamics(*, floats: bool = True) -> Any:
     module: Any = native()
-    given = (value for value, _ in (group(floats=True) | masses()).values())
+    given = (value for value, _ in (group(floats=floats) | masses()).values())
     return module.InverseDynamics(*given)
 
 
@@ -279,6 +279,10 @@ def calls() -> dict[str, Call]:
         "InverseDynamics.efforts": call(
             dynamics().efforts, q=(with_ball, SIZING), v=(np.ones((len(with_ball), 10)), EXACT),
             vdot=(np.ones((len(with_ball), 10)), EXACT),
+        ),
+        "InverseDynamics.derivatives": call(
+            dynamics(floats=False).derivatives, q=(np.zeros((3, 4)), SIZING),
+            v=(np.ones((3, 4)), EXACT), vdot=(np.ones((3, 4)), EXACT), step=(1e-6, SCALAR),
         ),
         "DistanceQuery": call(module.DistanceQuery, **group(floats=True)),
         "DistanceQuery.within": call(

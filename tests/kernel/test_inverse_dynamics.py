@@ -5,14 +5,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from pydrake.geometry import Sphere
 from pydrake.multibody.tree import LinearSpringDamper, MultibodyForces
 
 from planning.kernel.native import native
 from planning.world.kernel.kernel_dynamics import kernel_dynamics
-from tests.certify.chains import Builder, P, R, Robot
+from tests.certify.chains import FLOATING, Builder, P, R, Robot
 from tests.kernel.test_kinematics import made_up
 from tests.profiles import num_cases
 
@@ -57,6 +57,26 @@ def test_efforts_are_those_of_drake(seed: int) -> None:
         expected = by_drake(robot, context, qs[i], v[i], vdot[i])
         scale = max(1.0, float(np.abs(expected).max(initial=0.0)))
         np.testing.assert_allclose(found[i], expected, rtol=0, atol=1e-11 * scale)
+
+
+@settings(max_examples=num_cases(30))
+@given(seed=st.integers(0, 2**32 - 1))
+def test_derivatives_are_quotients_of_efforts(seed: int) -> None:
+    robot, _, qs = made_up(seed, MASS)
+    assume(all(joint.type is not FLOATING for joint in robot.group.joints))
+    rng, context = np.random.default_rng(seed), undamped(robot)
+    state = np.stack([qs, *rng.normal(0.0, 3.0, (2, *qs.shape))])
+    dynamics = kernel_dynamics(robot.model, robot.group, robot.state, context)
+    assert dynamics is not None
+    step = 1e-6
+    found = dynamics.derivatives(*state, step)
+    for part in range(3):
+        for j in range(qs.shape[1]):
+            shifted = state.copy()
+            shifted[part, :, j] += step * (1 + np.abs(state[part, :, j]))
+            steps = shifted[part, :, j] - state[part, :, j]
+            changes = dynamics.efforts(*shifted) - dynamics.efforts(*state)
+            np.testing.assert_array_equal(found[part, :, :, j], changes / steps[:, None])
 
 
 def test_joints_outside_of_the_group_stay_as_the_state_has_them() -> None:

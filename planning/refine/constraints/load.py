@@ -15,7 +15,7 @@ from planning.domain.arrays import Array
 # Largest static load ratio: above it too little of a limit is left to stop a motion.
 MAX_STATIC_LOAD = 0.98
 # Step of a difference quotient, relative to 1 + |x|.
-_DIFFERENCE_STEP = 1e-6
+DIFFERENCE_STEP = 1e-6
 
 
 @runtime_checkable
@@ -97,7 +97,7 @@ def difference_quotients(
     ).copy()
     arguments, columns = np.arange(num_arguments)[:, None], np.arange(nq)
     shifted[arguments, arguments, columns, :, columns] += (
-        _DIFFERENCE_STEP * (1 + np.abs(state))
+        DIFFERENCE_STEP * (1 + np.abs(state))
     ).transpose(0, 2, 1)
     # The effective steps after rounding.
     steps = shifted[arguments, arguments, columns, :, columns] - state.transpose(0, 2, 1)

@@ -13,7 +13,7 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array, Indices
 from planning.domain.robot.joints import JointLimits
-from planning.refine.constraints.load import MAX_STATIC_LOAD, difference_quotients
+from planning.refine.constraints.load import DIFFERENCE_STEP, MAX_STATIC_LOAD, difference_quotients
 from planning.world.mechanics.dynamics import GroupDynamics
 
 
@@ -51,12 +51,18 @@ class TorqueLoad:
 
     def derivatives(self, q: Array, v: Array, vdot: Array) -> Array:
         """Return the derivatives of the load ratios by difference quotients."""
-        by_argument = difference_quotients(self._torque_ratios, q, v, vdot)
+        by_argument = self._slopes(q, v, vdot)
         is_excessive = np.abs(self.static_load(q)) > MAX_STATIC_LOAD
         excessive_rows = np.flatnonzero(is_excessive.any(axis=1))
         (by_q,) = difference_quotients(self.static_load, q[excessive_rows])
         by_argument[0, excessive_rows] -= np.where(is_excessive[excessive_rows, :, None], by_q, 0.0)
         return by_argument[:, :, :, None]
+
+    def _slopes(self, q: Array, v: Array, vdot: Array) -> Array:
+        efforts = self.dynamics.derivatives(q, v, vdot, DIFFERENCE_STEP)
+        if efforts is None:
+            return difference_quotients(self._torque_ratios, q, v, vdot)
+        return efforts[:, :, self.columns] / self.efforts[:, None]
 
     def path_velocity_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:
         """Return two rows for every joint, in units of what gravity leaves of the limit."""

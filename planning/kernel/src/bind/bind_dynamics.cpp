@@ -1,6 +1,7 @@
 // InverseDynamics on numpy arrays and without the interpreter's lock.
 #include <nanobind/stl/shared_ptr.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -50,6 +51,28 @@ auto efforts(const InverseDynamics& dynamics, const Doubles& q, const Doubles& v
   return array_of(found, positions.rows, nv);
 }
 
+auto derivatives(const InverseDynamics& dynamics, const Doubles& q, const Doubles& v, const Doubles& vdot,
+                 double step) {
+  const std::size_t nv = dynamics.num_velocities();
+  if (dynamics.num_positions() != nv) refuse("a joint floats: efforts have no derivatives by its coordinates");
+  const Table positions = table(q, nv, "q");
+  const std::size_t count = positions.rows;
+  const Table rates = table(v, count, nv, "v"), changes = table(vdot, count, nv, "vdot");
+  finite(positions.all(), "q"), finite(rates.all(), "v"), finite(changes.all(), "vdot");
+  positive(step, "step");
+  std::vector<double> found(3 * count * nv * nv), one(3 * nv * nv);
+  {
+    nb::gil_scoped_release released;
+    InverseDynamics::Work work = dynamics.work();
+    for (std::size_t i = 0; i < count; ++i) {
+      dynamics.derivatives(positions.row(i), rates.row(i), changes.row(i), step, one.data(), work);
+      for (std::size_t part = 0; part < 3; ++part)
+        std::copy_n(&one[part * nv * nv], nv * nv, &found[(part * count + i) * nv * nv]);
+    }
+  }
+  return array_of(found, 3, count, nv, nv);
+}
+
 }  // namespace
 
 void bind_dynamics(nb::module_& m) {
@@ -57,7 +80,9 @@ void bind_dynamics(nb::module_& m) {
       .def("__init__", &make, nb::arg("scene"), nb::arg("positions"), nb::arg("velocities"), nb::arg("state"),
            nb::arg("inertias"), nb::arg("rotors"), nb::arg("gravity"))
       .def("efforts", &efforts, nb::arg("q"), nb::arg("v"), nb::arg("vdot"),
-           "The group's efforts at each row of q, v and vdot.");
+           "The group's efforts at each row of q, v and vdot.")
+      .def("derivatives", &derivatives, nb::arg("q"), nb::arg("v"), nb::arg("vdot"), nb::arg("step"),
+           "Their difference quotients by q, v and vdot.");
 }
 
 }  // namespace wayproof

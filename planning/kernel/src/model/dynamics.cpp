@@ -1,6 +1,7 @@
 #include "model/dynamics.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -49,9 +50,39 @@ InverseDynamics::Work InverseDynamics::work() const {
 }
 
 void InverseDynamics::efforts(const double* q, const double* v, const double* vdot, double* tau, Work& work) const {
+  place(q, work);
+  efforts_here(v, vdot, tau, work);
+}
+
+void InverseDynamics::derivatives(const double* q, const double* v, const double* vdot, double step, double* found,
+                                  Work& work) const {
+  const std::size_t nv = num_velocities();
+  std::vector<double> state[3] = {{q, q + nv}, {v, v + nv}, {vdot, vdot + nv}}, here(nv), there(nv);
+  efforts(q, v, vdot, here.data(), work);
+  // The rates first: the pose is as it was.
+  for (std::size_t part : {1, 2, 0})
+    for (std::size_t j = 0; j < nv; ++j) {
+      double& x = state[part][j];
+      const double before = x;
+      x += step * (1 + std::abs(x));
+      if (part == 0) place(state[0].data(), work);
+      efforts_here(state[1].data(), state[2].data(), there.data(), work);
+      for (std::size_t i = 0; i < nv; ++i) found[(part * nv + i) * nv + j] = (there[i] - here[i]) / (x - before);
+      x = before;
+    }
+}
+
+void InverseDynamics::place(const double* q, Work& work) const {
   group_.embed(tree_, q, work.q.data());
-  spread(v, work.v), spread(vdot, work.vdot);
   group_.place(tree_, work.q.data(), work.X_WL.data());
+  for (std::size_t i = 0; i < tree_.links.size(); ++i) {
+    const Link& link = tree_.links[i];
+    if (group_.moves[i]) work.R_WF[i] = link.parent < 0 ? link.X_PF.R : work.X_WL[link.parent].R * link.X_PF.R;
+  }
+}
+
+void InverseDynamics::efforts_here(const double* v, const double* vdot, double* tau, Work& work) const {
+  spread(v, work.v), spread(vdot, work.vdot);
   std::fill(work.tau.begin(), work.tau.end(), 0.0);
   const std::size_t count = tree_.links.size();
   for (std::size_t i = 0; i < count; ++i)
@@ -73,11 +104,9 @@ void InverseDynamics::spread(const double* rates, std::vector<double>& full) con
 void InverseDynamics::move(std::size_t i, Work& work) const {
   const Link& link = tree_.links[i];
   const State& parent = link.parent < 0 ? world_ : work.states[link.parent];
-  const Transform X_WP = link.parent < 0 ? Transform{} : work.X_WL[link.parent];
-  work.R_WF[i] = X_WP.R * link.X_PF.R;
   const Rates rates = rates_of(link, work.v.data()), change = rates_of(link, work.vdot.data());
   const Vec3 turn = work.R_WF[i] * rates.turn, shift = work.R_WF[i] * rates.shift;
-  const Vec3 r = work.X_WL[i].p - X_WP.p;
+  const Vec3 r = link.parent < 0 ? work.X_WL[i].p : work.X_WL[i].p - work.X_WL[link.parent].p;
   State& own = work.states[i];
   own.w = parent.w + turn;
   own.alpha = parent.alpha + cross(parent.w, turn) + work.R_WF[i] * change.turn;

@@ -44,7 +44,12 @@ class InverseDynamics {
   // their coupling. All other joints rest.
   void efforts(const double* q, const double* v, const double* vdot, double* tau, Work& work) const;
 
+  // Difference quotients of tau by q, v and vdot, [3][nv][nv], with steps `step` (1 + |x|); not for joints that float.
+  void derivatives(const double* q, const double* v, const double* vdot, double step, double* found, Work& work) const;
+
  private:
+  void place(const double* q, Work& work) const;
+  void efforts_here(const double* v, const double* vdot, double* tau, Work& work) const;
   void spread(const double* rates, std::vector<double>& full) const;
   void move(std::size_t i, Work& work) const;
   void load(std::size_t i, Work& work) const;
