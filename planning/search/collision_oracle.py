@@ -12,7 +12,7 @@ from planning.domain.curves.motion_samples import num_steps, sample_batches, ste
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.manifold import Manifold
-from planning.search.wrapping_limits import WrappingLimits
+from planning.domain.robot.wrapping_limits import WrappingLimits
 
 # Most states in one call of the inner oracle between two checks of the deadline (or one motion).
 _MAX_BATCH_STATES = 4096
