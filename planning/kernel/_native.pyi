@@ -6,6 +6,7 @@ import numpy as np
 
 type _Doubles = np.ndarray[Any, np.dtype[np.float64]]
 type _Integers = np.ndarray[Any, np.dtype[np.int64]]
+type _Flags = np.ndarray[Any, np.dtype[np.bool_]]
 type _Verdicts = np.ndarray[Any, np.dtype[np.uint8]]
 
 class ShapeKind(Enum):
@@ -92,6 +93,12 @@ class Checker:
         self, origins: _Doubles, displacements: _Doubles, resolution: float
     ) -> tuple[_Verdicts, _Integers]: ...
     def check_motion(self, origin: _Doubles, displacement: _Doubles, resolution: float) -> int: ...
+    def check_edges(
+        self, q0s: _Doubles, q1s: _Doubles, resolution: float, most: int
+    ) -> tuple[_Flags, _Integers, int] | None: ...
+    def first_edge(
+        self, q0s: _Doubles, q1s: _Doubles, resolution: float, most: int
+    ) -> tuple[int, bool, int]: ...
     def check_edge(
         self, q0: list[float], q1: list[float], resolution: float
     ) -> tuple[int, int]: ...

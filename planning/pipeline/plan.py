@@ -138,6 +138,7 @@ def _has_only_failed_stops(certificate: Certificate) -> bool:
 
 def _motion_plan(context: PlanContext, certified: CertifiedMotion) -> MotionPlan:
     motion, goals = certified.motion, context.goals
+    parts = motion.summary(context.world, tool_frame(context.group, context.problem.goal))
     return MotionPlan(
         group=context.group,
         start=context.start,
@@ -153,5 +154,5 @@ def _motion_plan(context: PlanContext, certified: CertifiedMotion) -> MotionPlan
         timings=context.watch.seconds,
         cut_short=context.watch.cut_short,
         graph=certified.graph,
-        parts=motion.summary(context.world, tool_frame(context.group, context.problem.goal)),
+        parts=parts,
     )

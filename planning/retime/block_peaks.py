@@ -11,7 +11,7 @@ from planning.retime.limits.angular_rate_bounds import (
     rate_bounds,
     with_derivatives,
 )
-from planning.retime.polynomials import halved, norms, to_bernstein
+from planning.retime.polynomials import bisected_form, halved, norms, to_bernstein
 
 _NUM_BISECTIONS = 2
 
@@ -23,14 +23,8 @@ def block_peaks(curve: Curve, limits: JointLimits, order: int) -> Float64[np.nda
     small curvature.
     """
     widths = np.diff(curve.breaks)
-    polynomials = to_bernstein(derivative(curve.coefficients, order), widths)
-    for _ in range(_NUM_BISECTIONS if polynomials.shape[1] > 2 else 0):
-        polynomials = halved(polynomials)
-    parts = len(polynomials) // len(widths)
-    peaks = np.empty((len(widths), len(limits.blocks)))
-    for i, block in enumerate(limits.blocks):
-        sizes = norms(polynomials[:, :, list(block)]).max(axis=1)
-        peaks[:, i] = sizes.reshape(len(widths), parts).max(axis=1)
+    forms = bisected_form(derivative(curve.coefficients, order), widths, _NUM_BISECTIONS)
+    peaks = block_norms(forms, limits).max(axis=1)
     if order > 1:
         for i in floating_rotation_blocks(curve, limits):
             _replace_rotation_bounds(peaks[:, i], curve, list(limits.blocks[i]), order)

@@ -12,6 +12,7 @@ import numpy as np
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, derivative
 from planning.domain.robot.joints import JointLimits
+from planning.kernel.native import native
 from planning.retime.block_peaks import block_norms, floating_rotation_blocks
 from planning.retime.limits.angular_rate_bounds import (
     has_moving_axis,
@@ -101,9 +102,26 @@ def _max_polynomial_utilization(
     best = LimitUtilization(lower_bound, largest % upper.shape[1])
     if is_open.any():
         nodes, blocks = _nodes(polynomials, is_open, limits, bounds)
-        best = _branch_and_bound(nodes, blocks, _norm_bounds, _RELATIVE_GAP, best)
+        module = native() if nodes.shape[2] == 1 else None
+        if module is None:
+            best = _branch_and_bound(nodes, blocks, _norm_bounds, _RELATIVE_GAP, best)
+        else:
+            best = _max_magnitude_by_kernel(module, nodes[:, :, 0], blocks, best)
     # Pieces that are not refined may exceed the attained value by the gap.
     return LimitUtilization(max(best.fraction, float(upper[~is_open].max(initial=0.0))), best.block)
+
+
+def _max_magnitude_by_kernel(
+    module: Any, rows: Array, blocks: Any, best: LimitUtilization
+) -> LimitUtilization:
+    """Return the larger of `best` and the largest magnitude of scalar polynomials, in rows."""
+    tolerance = best.fraction * _RELATIVE_GAP
+    bound, row, _ = module.peak(np.concatenate([rows, -rows]), tolerance)
+    return max(best, LimitUtilization(bound, int(blocks[row % len(rows)])), key=_fraction)
+
+
+def _fraction(utilization: LimitUtilization) -> float:
+    return utilization.fraction
 
 
 def _nodes(

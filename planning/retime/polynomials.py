@@ -23,6 +23,20 @@ def to_bernstein(
     return _power_to_bernstein(degree) @ scaled
 
 
+def bisected_form(
+    coefficients: Float64[np.ndarray, "n k d"],
+    widths: Float64[np.ndarray, " n"],
+    num_bisections: int,
+) -> Float64[np.ndarray, "n m d"]:
+    """Return Bernstein coefficients on the parts of [0, width] that bisections leave, in a row.
+
+    Lines are not bisected, for they have their largest values at their ends.
+    """
+    degree = coefficients.shape[1] - 1
+    scaled = coefficients * widths[:, None, None] ** np.arange(degree + 1)[None, :, None]
+    return _power_to_bisected(degree, num_bisections if degree > 1 else 0) @ scaled
+
+
 def halved(polynomials: Float64[np.ndarray, "n k d"]) -> Float64[np.ndarray, "two_n k d"]:
     """Return both halves of every interval, side by side (de Casteljau)."""
     degree = polynomials.shape[1] - 1
@@ -43,6 +57,14 @@ def _power_to_bernstein(degree: int) -> Array:
     return np.array([
         [comb(i, k) / comb(degree, k) for k in range(degree + 1)] for i in range(degree + 1)
     ])
+
+
+@cache
+def _power_to_bisected(degree: int, num_bisections: int) -> Array:
+    parts = _power_to_bernstein(degree)[None]
+    for _ in range(num_bisections):
+        parts = halved(parts)
+    return np.concatenate(parts)
 
 
 @cache

@@ -1,6 +1,5 @@
 """SpeedProfile: the path parameter over time, s(t), as polynomials of degree at most three."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +9,10 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array
 from planning.domain.value import Value
 
-_BISECTIONS = 60
+# Steps of Newton's method, or bisections: as many as halve an interval to its rounding.
+_MAX_STEPS = 60
+# Relative change of a time that ends the search for it.
+_ROUNDING = 4e-16
 # Shortest phase relative to the whole duration.
 _MIN_PHASE_SHARE = 1e-12
 
@@ -32,17 +34,6 @@ class SpeedProfile(Value):
     a: Float64[np.ndarray, " n"]
     j: Float64[np.ndarray, " n"]
     h: Float64[np.ndarray, " n"]
-
-    @classmethod
-    def joined(cls, parts: Sequence["SpeedProfile"]) -> "SpeedProfile":
-        """Build the profile that runs through the parts one after another."""
-        return cls(
-            np.concatenate([*(part.s[:-1] for part in parts), parts[-1].s[-1:]]),
-            np.concatenate([part.v for part in parts]),
-            np.concatenate([part.a for part in parts]),
-            np.concatenate([part.j for part in parts]),
-            np.concatenate([part.h for part in parts]),
-        )
 
     @property
     def duration(self) -> float:
@@ -82,11 +73,20 @@ class SpeedProfile(Value):
         )
 
     def _times(self, phases: Any, parameters: Array) -> Array:
-        """Return the time at which each phase reaches a parameter, by bisection: s(t) increases."""
+        """Return the time at which each phase reaches a parameter: s(t) increases.
+
+        By Newton's method, and by bisection where that leaves the interval of the solution.
+        """
         s, v, a, j = self.s[phases], self.v[phases], self.a[phases], self.j[phases]
         low, high = np.zeros(len(phases)), self.h[phases]
-        for _ in range(_BISECTIONS):
-            t = (low + high) / 2
-            is_before = s + t * (v + t * (a / 2 + t * j / 6)) < parameters
-            low, high = np.where(is_before, t, low), np.where(is_before, high, t)
-        return (low + high) / 2
+        t = high * (parameters - s) / (self.s[phases + 1] - s)
+        for _ in range(_MAX_STEPS):
+            excess = s + t * (v + t * (a / 2 + t * j / 6)) - parameters
+            low, high = np.where(excess < 0, t, low), np.where(excess < 0, high, t)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                newton = t - excess / (v + t * (a + t * j / 2))
+            following = np.where((newton >= low) & (newton <= high), newton, (low + high) / 2)
+            if (np.abs(following - t) <= _ROUNDING * following).all():
+                return following
+            t = following
+        return t

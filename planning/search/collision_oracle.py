@@ -12,9 +12,12 @@ from planning.domain.curves.motion_samples import num_steps, sample_batches, ste
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.manifold import Manifold
+from planning.domain.robot.wrapping_limits import WrappingLimits
 
 # Most states in one call of the inner oracle between two checks of the deadline (or one motion).
 _MAX_BATCH_STATES = 4096
+# Most edges in one call, of which the first free one is sought.
+_MAX_BATCH_EDGES = 32
 
 
 @runtime_checkable
@@ -50,10 +53,30 @@ class CollisionOracle(Protocol):
 
 @runtime_checkable
 class EdgeOracle(Protocol):
-    """Oracle that checks edges given as lists, which avoids creating arrays."""
+    """Oracle that checks edges between configurations, which takes it less time than motions."""
 
     def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> tuple[bool, int]:
         """Return whether the straight edge is free, both ends included, and its number of steps."""
+        ...
+
+    def are_edges_free(
+        self, q0s: Array, q1s: Array, resolution: float, max_steps: int
+    ) -> tuple[Flags, int] | None:
+        """Return whether each edge is free, as its motion, and the number of all steps.
+
+        None if there are more than `max_steps`. Shapes (m, nq).
+        """
+        ...
+
+    def first_free_edge(
+        self, q0s: Array, q1s: Array, resolution: float, max_steps: int
+    ) -> tuple[int, bool, int]:
+        """Return the index of the first free edge, or of one before it that is not decided.
+
+        With it, whether it is decided, and the number of steps without those of one that is not: it
+        may have more than `max_steps`. The index is the number of edges if none is free. Shapes
+        (m, nq) or (1, nq).
+        """
         ...
 
 
@@ -75,13 +98,14 @@ class WatchedOracle:
         """Wrap the oracle `inner`, for the joints and limits of a group."""
         self.inner = inner
         self._deadline = deadline
+        self._edge_oracle = inner if isinstance(inner, EdgeOracle) else None
         self._check_edge = (
-            inner.is_edge_free if isinstance(inner, EdgeOracle) else self._check_edge_as_motion
+            self._check_edge_as_motion
+            if self._edge_oracle is None
+            else self._edge_oracle.is_edge_free
         )
         self._manifold = Manifold.of(group.joints)
-        self._wrapping_indices, self._lower, self._widths = _limited_wrapping_coordinates(
-            group, limits
-        )
+        self._wrapping = WrappingLimits.of(group, limits)
         self.num_states = 0
 
     @contextmanager
@@ -115,7 +139,7 @@ class WatchedOracle:
         """
         self._deadline.check("search")
         self.num_states += 1
-        if self._wrapping_indices and not self._are_within_wrapping_limits(q[None])[0]:
+        if self._wrapping.indices and not self._wrapping.are_within(q[None])[0]:
             return False
         return self.inner.is_free(q)
 
@@ -129,9 +153,7 @@ class WatchedOracle:
         self._deadline.check("search")
         self.num_states += len(qs)
         verdicts = self.inner.are_free(qs)
-        return (
-            verdicts & self._are_within_wrapping_limits(qs) if self._wrapping_indices else verdicts
-        )
+        return verdicts & self._wrapping.are_within(qs) if self._wrapping.indices else verdicts
 
     def is_motion_free(
         self,
@@ -146,7 +168,7 @@ class WatchedOracle:
             DeadlineExceeded: The time has run out.
         """
         steps = num_steps(displacement, resolution)
-        if self._wrapping_indices or steps > _MAX_BATCH_STATES:
+        if self._wrapping.indices or steps > _MAX_BATCH_STATES:
             return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
         self._deadline.check("search")
         self.num_states += steps
@@ -176,6 +198,64 @@ class WatchedOracle:
         )
         return free, steps
 
+    def are_edges_free(
+        self,
+        q0s: Float64[np.ndarray, "m nq"],
+        q1s: Float64[np.ndarray, "m nq"],
+        resolution: float,
+    ) -> Bool[np.ndarray, " m"]:
+        """Return whether the motion from each q0 to its q1 is admissible.
+
+        Only for joints that neither wrap nor float.
+
+        Raises:
+            Canceled: The request was canceled.
+            DeadlineExceeded: The time has run out.
+        """
+        if self._edge_oracle is not None:
+            self._deadline.check("search")
+            found = self._edge_oracle.are_edges_free(q0s, q1s, resolution, _MAX_BATCH_STATES)
+            if found is not None:
+                self.num_states += found[1]
+                return found[0]
+        return self.are_motions_free(q0s, q1s - q0s, resolution)
+
+    def first_free_edge(
+        self,
+        q0s: Float64[np.ndarray, "#m nq"],
+        q1s: Float64[np.ndarray, "#m nq"],
+        resolution: float,
+    ) -> int:
+        """Return the index of the first motion from a q0 to its q1 that is admissible.
+
+        It is the number of motions if none is. One q0 or one q1 may be that of all motions. Only
+        for joints that neither wrap nor float.
+
+        Raises:
+            Canceled: The request was canceled.
+            DeadlineExceeded: The time has run out.
+        """
+        index, count = 0, len(q1s) if len(q0s) == 1 else len(q0s)
+        while index < count:
+            here = slice(index, index + _MAX_BATCH_EDGES)
+            begins, ends = (qs[here] if len(qs) == count else qs for qs in (q0s, q1s))
+            num_blocked, is_decided = 0, False
+            if self._edge_oracle is not None:
+                self._deadline.check("search")
+                num_blocked, is_decided, steps = self._edge_oracle.first_free_edge(
+                    begins, ends, resolution, _MAX_BATCH_STATES
+                )
+                self.num_states += steps
+            index += num_blocked
+            if is_decided and num_blocked < max(len(begins), len(ends)):
+                return index
+            if not is_decided:
+                begin, end = q0s[min(index, len(q0s) - 1)], q1s[min(index, len(q1s) - 1)]
+                if self.is_motion_free(begin, end - begin, resolution):
+                    return index
+                index += 1
+        return count
+
     def are_motions_free(
         self,
         origins: Float64[np.ndarray, "m nq"],
@@ -190,7 +270,7 @@ class WatchedOracle:
         """
         counts = steps_of(displacements, resolution)
         total = int(counts.sum())
-        if not self._wrapping_indices and total <= _MAX_BATCH_STATES:
+        if not self._wrapping.indices and total <= _MAX_BATCH_STATES:
             self._deadline.check("search")
             self.num_states += total
             return self.inner.are_motions_free(origins, displacements, resolution)
@@ -215,23 +295,16 @@ class WatchedOracle:
         self, origins: Array, displacements: Array, resolution: float
     ) -> Flags:
         """Return for every motion whether its samples keep the limits of wrapping joints."""
-        if not self._wrapping_indices:
+        if not self._wrapping.indices:
             return np.ones(len(origins), dtype=bool)
         verdicts = [
             all(
-                self._are_within_wrapping_limits(qs).all()
+                self._wrapping.are_within(qs).all()
                 for qs in sample_batches(self._manifold, motion, resolution)
             )
             for motion in zip(origins, displacements, strict=True)
         ]
         return np.array(verdicts, dtype=bool)
-
-    def _are_within_wrapping_limits(self, qs: Array) -> Flags:
-        offsets = np.remainder(qs[:, self._wrapping_indices] - self._lower, 2 * np.pi)
-        rounding = 1e-9
-        return ((offsets <= self._widths + rounding) | (offsets >= 2 * np.pi - rounding)).all(
-            axis=1
-        )
 
 
 def _batches(rows: Indices, counts: Indices) -> list[np.ndarray[Any, np.dtype[np.intp]]]:
@@ -240,19 +313,3 @@ def _batches(rows: Indices, counts: Indices) -> list[np.ndarray[Any, np.dtype[np
         return []
     batch_index = np.cumsum(counts[rows]) // _MAX_BATCH_STATES
     return np.split(rows, np.flatnonzero(np.diff(batch_index)) + 1)
-
-
-def _limited_wrapping_coordinates(
-    group: JointGroup, limits: JointLimits
-) -> tuple[list[int], Array, Array]:
-    """Return coordinates of q that are limited angles on a circle, their lower limits, widths."""
-    width = limits.upper - limits.lower
-    indices: list[int] = []
-    iq = 0
-    for joint in group.joints:
-        wraps = joint.wraps
-        count = joint.num_positions
-        if any(wraps):
-            indices += [iq + k for k in range(count) if wraps[k] and width[iq + k] < 2 * np.pi]
-        iq += count
-    return indices, limits.lower[indices], width[indices]

@@ -73,8 +73,31 @@ class EdgeChecker:
             DeadlineExceeded: The time has run out.
         """
         self.num_motions += len(q0s)
+        if self._is_vector:
+            return self._oracle.are_edges_free(q0s, q1s, self.resolution)
         delta = self.manifold.minus(q1s, q0s)
         return self._oracle.are_motions_free(q0s, delta, self.resolution)
+
+    def first_free(
+        self, q0s: Float64[np.ndarray, "#m nq"], q1s: Float64[np.ndarray, "#m nq"]
+    ) -> int:
+        """Return the index of the first edge that is free as by `is_free`; their number if none is.
+
+        Args:
+            q0s: Where edges begin, one row for each or for all.
+            q1s: Where they end, likewise.
+
+        Raises:
+            Canceled: The request was canceled.
+            DeadlineExceeded: The time has run out.
+        """
+        count = len(q1s) if len(q0s) == 1 else len(q0s)
+        if self._is_vector:
+            index = self._oracle.first_free_edge(q0s, q1s, self.resolution)
+            self.num_motions += min(index + 1, count)
+            return index
+        pairs = zip(*np.broadcast_arrays(q0s, q1s), strict=True)
+        return next((i for i, (q0, q1) in enumerate(pairs) if self.is_free(q0, q1)), count)
 
     def lengths(
         self, q0s: Float64[np.ndarray, "*#m nq"], q1s: Float64[np.ndarray, "*#m nq"]

@@ -82,6 +82,7 @@ async def whole(
     found: Encoded | None,
     told: Response | None = None,
     left_out: Collection[str] = (),
+    known: Mapping[str, str] | None = None,
 ) -> Response:
     """Return the answer of a job in full.
 
@@ -90,13 +91,16 @@ async def whole(
         found: What the task gave, whose member `result` is the job's.
         told: Status and headers of the answer, if they are not the usual ones.
         left_out: Members of the job's result that the answer does not carry.
+        known: Members of `brief` that were written as JSON before.
     """
     text = "" if found is None else found.text
     if len(text) <= STEP:
         result = _result_in(text, left_out)
     else:
         result = await to_thread.run_sync(_result_in, text, left_out)
-    head = f'{brief.model_dump_json()[:-1]},"result":'.encode()
+    known = known or {}
+    more = "".join(f',"{name}":{text}' for name, text in known.items())
+    head = f'{brief.model_dump_json(exclude=set(known))[:-1]}{more},"result":'.encode()
     result = result or "null"
     status = 200 if told is None else told.status_code or 202
     headers = {} if told is None else dict(told.headers)

@@ -92,6 +92,25 @@ async def _submission(
     prefer: Prefer = None,
     idempotency_key: KeyHeader = None,
 ) -> Submission:
+    return submission_of(request, response, wait, prefer, idempotency_key)
+
+
+def submission_of(
+    request: Request,
+    response: Response,
+    wait: float | None,
+    prefer: str | None,
+    idempotency_key: str | None,
+) -> Submission:
+    """Return how a client asks for a job.
+
+    Args:
+        request: Of the client.
+        response: Status and headers of the answer.
+        wait: Its parameter [s].
+        prefer: Its header.
+        idempotency_key: Its header.
+    """
     settings = settings_of(request)
     seconds = seconds_to_wait(wait, prefer, settings.max_wait)
     return Submission(jobs_of(request), idempotency_key, response, settings, seconds)

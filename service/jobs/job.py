@@ -64,7 +64,7 @@ class JobSpec:
     Attributes:
         queue: Which workers may run it.
         task: Importable function, `module:function`, called with the payload and a channel.
-        payload: JSON-compatible; `cancel_grace` in it stands for the queue's [s].
+        payload: JSON-compatible, or JSON already; `cancel_grace` in it stands for the queue's [s].
         prefix: Of the job's id.
         scene: Id of the scene it is about, for listing.
         world_digest: Workers that ran this key lately are preferred.
@@ -83,7 +83,7 @@ class JobSpec:
 
     queue: str
     task: str
-    payload: dict[str, Any]
+    payload: dict[str, Any] | Encoded
     prefix: str = "job"
     scene: str | None = None
     world_digest: str | None = None

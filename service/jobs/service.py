@@ -3,7 +3,6 @@
 import asyncio
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from copy import copy
 from dataclasses import replace
 from typing import Any, Literal, Self
 
@@ -61,8 +60,9 @@ class JobService(JobReader, TaskCalls):
 
     def for_client(self, client: str) -> Self:
         """Return the same service for a client: what it requests is that client's."""
-        own = copy(self)
-        own.client = client
+        # `copy` takes ten times as long, of every request.
+        own = object.__new__(type(self))
+        own.__dict__.update(self.__dict__, client=client)
         return own
 
     async def submit(self, spec: JobSpec) -> Job:

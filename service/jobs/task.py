@@ -108,11 +108,11 @@ class Task[In: BaseModel, Out: BaseModel]:
         found = self._function(self.payload.model_validate_json(payload), context)
         large = self.outline.result
         if not large:
-            return TaskResult(_json(found))
+            return TaskResult(text_of(found))
         apart = dict.fromkeys(member.partition(".")[0] for member in large)
         parts = {name: Encoded(_member(found, name)) for name in apart}
-        plain = _json(found, exclude=set(apart))
-        summary = plain if set(large) == set(apart) else _json(found, exclude=_nested(large))
+        plain = text_of(found, exclude=set(apart))
+        summary = plain if set(large) == set(apart) else text_of(found, exclude=_nested(large))
         return TaskResult(with_parts(plain, parts), summary)
 
 
@@ -149,7 +149,7 @@ def _inner(contents: list[Any], name: str) -> list[Any]:
     return [item for member in found for item in (member if isinstance(member, list) else [member])]
 
 
-def _json(content: BaseModel, **selection: Any) -> str:
+def text_of(content: BaseModel, **selection: Any) -> str:
     """Return the JSON of a model in ASCII, which every database can hold."""
     # To look whether it is ASCII, as it mostly is, is quicker than to escape as it is written.
     text = content.model_dump_json(**selection)
@@ -161,7 +161,7 @@ def _member(content: BaseModel, name: str) -> str:
     found = getattr(content, name)
     if isinstance(found, Encoded):
         return found.text
-    return _json(content, include={name})[len(f'{{"{name}":') : -1]
+    return text_of(content, include={name})[len(f'{{"{name}":') : -1]
 
 
 def _nested(members: tuple[str, ...]) -> Mapping[str, Any]:

@@ -25,6 +25,10 @@ type Include = Annotated[
 
 
 async def _left_out(include: Include = None) -> frozenset[str]:
+    return left_out_of(include)
+
+
+def left_out_of(include: str | None) -> frozenset[str]:
     """Return the large parts that an answer does not carry.
 
     Raises:

@@ -5,7 +5,7 @@
 from collections.abc import AsyncIterator, Collection
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Query, Request, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.api.dependencies import JobsDep
@@ -14,18 +14,18 @@ from service.api.paging import Cursor, Limit, OfScene, before, cursor_of
 from service.api.params import LastEventId
 from service.api.responses import accepted, problems, whole
 from service.api.strict_route import StrictRoute
-from service.api.submission import SubmissionDep
+from service.api.submission import KeyHeader, Prefer, SubmissionDep, Wait, submission_of
 from service.jobs.job import JobText
 from service.jobs.service import JobService
 from service.jobs.states import JobState
 from service.plans.dependencies import OpenPlan, PlanJob, PlanText
-from service.plans.included_parts import LeftOut
+from service.plans.included_parts import Include, LeftOut, left_out_of
 from service.plans.models.plan import Plan, PlanPage
 from service.plans.models.request import PlanRequest
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.resource import graph_of, plan_resource
 from service.plans.submit import submit_plan, submit_reversed
-from service.scenes.dependencies import ScenesDep
+from service.scenes.dependencies import ScenesDep, scenes_of
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans", tags=["plans"])
 type OfBatch = Annotated[str | None, Query(max_length=128, description="Only those of this batch")]
@@ -39,16 +39,27 @@ type State = Annotated[JobState | None, Query(description="Only those in this st
     response_model=Plan,
     responses=accepted(Plan, "the plan", 400, 404, 409, 413, 422, 429, 503),
 )
-async def create_plan(
-    request: PlanRequest, submission: SubmissionDep, scenes: ScenesDep, left_out: LeftOut
+async def create_plan(  # noqa: PLR0913  (all that a request says)
+    request: PlanRequest,
+    http: Request,
+    response: Response,
+    *,
+    wait: Wait = None,
+    prefer: Prefer = None,
+    idempotency_key: KeyHeader = None,
+    include: Include = None,
 ) -> Response:
     """Request a plan: a job that is polled, streamed or waited for."""
-    job = await submit_plan(request, submission, scenes)
+    # Without dependencies, each of which takes as long as the parameters of all of them.
+    submission = submission_of(http, response, wait, prefer, idempotency_key)
+    left_out = left_out_of(include)
+    job = await submit_plan(request, submission, scenes_of(http))
     # While the plan is made, not when it is there.
     settled = PlanRequest.model_validate(job.payload["request"])
+    known = {"request": settled.model_dump_json()}
     found = await submission.awaited(job, "/v1/plans")
     brief = await plan_resource(submission.jobs, found.summary, settled)
-    return await whole(brief, found.result, submission.response, left_out)
+    return await whole(brief, found.result, submission.response, left_out, known)
 
 
 @router.get("", operation_id="listPlans", responses=problems(422))

@@ -16,9 +16,14 @@ from service.scenes.store.scene_store import SceneStore
 from service.scenes.tasks import RequestWork
 
 
-async def _scenes(connection: HTTPConnection) -> SceneStore:
+def scenes_of(connection: HTTPConnection) -> SceneStore:
+    """Return the scenes of the server that a request is sent to."""
     scenes: SceneStore = connection.app.state.scenes
     return scenes
+
+
+async def _scenes(connection: HTTPConnection) -> SceneStore:
+    return scenes_of(connection)
 
 
 type ScenesDep = Annotated[SceneStore, Depends(_scenes)]

@@ -5,7 +5,8 @@ from typing import Any
 from pydantic import BaseModel
 
 from service.jobs.job import IdempotencyKey, JobSpec, Priority
-from service.jobs.task import Task
+from service.jobs.json_text import Encoded
+from service.jobs.task import Task, text_of
 from service.scenes.store.records import SceneBrief
 
 # Of the ids of each queue's jobs.
@@ -33,7 +34,7 @@ def spec_of(
     return JobSpec(
         queue=task.queue,
         task=task.name,
-        payload=work.model_dump(mode="json"),
+        payload=Encoded(text_of(work)),
         prefix=PREFIXES[task.queue],
         scene=scene.id,
         world_digest=scene.digest,

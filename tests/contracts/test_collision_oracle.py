@@ -10,15 +10,16 @@ import pytest
 import planning
 from benchmarks.motion_bench_maker.problems import data_folder, read_problems, round_robin
 from benchmarks.motion_bench_maker.robots import ROBOTS, robot_files, robot_library, scene_of
-from planning.domain.curves.motion_samples import num_steps, sample_batches
+from planning.domain.curves.motion_samples import num_steps, sample_batches, steps_of
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
-from planning.search.collision_oracle import CollisionOracle
+from planning.search.collision_oracle import CollisionOracle, WatchedOracle
 from planning.world.collision.collision_check import DrakeCollisionOracle
 from planning.world.collision.margins import PairMargins
 from planning.world.kernel.kernel_oracle import KernelCollisionOracle
 from planning.world.kernel.kernel_scene import kernel_scene_of
 from planning.world.world import World
+from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 from tests.profiles import num_cases, only_campaign, rng_of
 
@@ -96,6 +97,50 @@ def test_an_edge_is_its_motion_and_its_beginning(scene: str) -> None:
         free, steps = oracle.is_edge_free(begin.tolist(), end.tolist(), 0.05)
         assert free == (oracle.is_free(begin) and oracle.is_motion_free(begin, end - begin, 0.05))
         assert steps == num_steps(end - begin, 0.05)
+
+
+@pytest.mark.parametrize("scene", ["ur5e_pickup", "panda_shelf", "maze_2d"])
+@pytest.mark.parametrize("margin", [0.0, 0.02])
+def test_edges_are_their_motions_all_at_once_and_up_to_the_first_free_one(
+    scene: str, margin: float
+) -> None:
+    world, most = bundled_world(scene), 40
+    group = world.groups[0]
+    oracle = kernel_oracle(world, group, world.margins(margin))
+    assert isinstance(oracle, KernelCollisionOracle)
+    begins = configurations(world, group, 200, 5)
+    ends = begins + rng_of(6).normal(0.0, 0.3, begins.shape)
+    along = oracle.are_motions_free(begins, ends - begins, 0.05)
+    steps = steps_of(ends - begins, 0.05)
+    found = oracle.are_edges_free(begins, ends, 0.05, int(steps.sum()))
+    assert found is not None
+    np.testing.assert_array_equal(found[0], along)
+    assert found[1] == steps.sum()
+    assert oracle.are_edges_free(begins, ends, 0.05, int(steps.sum()) - 1) is None
+
+    watched = WatchedOracle(oracle, group, world.limits(group), no_hurry())
+    single = WatchedOracle(Plain(oracle), group, world.limits(group), no_hurry())
+    for at in range(len(begins)):
+        fan = begins[at : at + 1], begins[at + 1 :]
+        for q0s, q1s in ((begins[at:], ends[at:]), fan, fan[::-1]):
+            index = watched.first_free_edge(q0s, q1s, 0.05)
+            assert index == single.first_free_edge(q0s, q1s, 0.05)
+            rows = np.broadcast_arrays(q0s, q1s) if len(q1s) else (q0s[:0], q1s)
+            directly = oracle.are_motions_free(rows[0], rows[1] - rows[0], 0.05)
+            assert index == (int(directly.argmax()) if directly.any() else len(directly))
+        index, is_decided, asked = oracle.first_free_edge(begins[at:], ends[at:], 0.05, most)
+        assert is_decided or steps[at + index] > most or oracle.num_undecided
+        assert asked == steps[at : at + index + is_decided].sum()
+    assert watched.num_states == single.num_states
+
+
+class Plain:
+    """An oracle that knows no edges."""
+
+    def __init__(self, oracle: CollisionOracle) -> None:
+        self.is_free, self.are_free = oracle.is_free, oracle.are_free
+        self.is_motion_free = oracle.is_motion_free
+        self.are_motions_free = oracle.are_motions_free
 
 
 @ORACLES

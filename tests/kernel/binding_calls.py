@@ -237,6 +237,14 @@ def calls() -> dict[str, Call]:
         "Checker.check_motion": call(
             checker().check_motion, origin=(q, EXACT), displacement=(q + 0.3, EXACT), **resolution
         ),
+        "Checker.check_edges": call(
+            checker().check_edges, q0s=(qs, ROWS), q1s=(qs + 0.3, EXACT), **resolution,
+            most=(4096, ANY),
+        ),
+        "Checker.first_edge": call(
+            checker().first_edge, q0s=(qs, ROWS), q1s=(qs + 0.3, EXACT), **resolution,
+            most=(4096, ANY),
+        ),
         "Checker.check_edge": call(
             checker().check_edge, q0=(q.tolist(), OBJECT), q1=((q + 0.3).tolist(), OBJECT),
             **resolution,

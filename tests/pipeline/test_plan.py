@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ import pytest
 import planning
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.goal import ConfigurationGoal, Goal, JointGoal, PoseGoal, PoseTarget
-from planning.domain.report.motion_plan import MotionPlan, Progress
+from planning.domain.report.motion_plan import MotionPlan, PlanPart, Progress
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.options import RefineOptions, RetimeOptions, SearchOptions
 from planning.domain.request.problem import PlanningProblem
@@ -28,6 +29,7 @@ from planning.errors import (
     StartOutOfLimits,
     UnknownName,
 )
+from planning.pipeline.motion import Motion
 from planning.world.world import World
 from tests.certify.conftest import smallest_distance
 from tests.clocks import after_looks, no_hurry
@@ -142,6 +144,22 @@ def test_another_seed_gives_another_path() -> None:
     goal, fast = to_frame("exit"), {"refine": RefineOptions("none")}
     first, second = (solve("maze_2d", goal, seed=seed, **fast) for seed in (1, 2))
     assert first.digest != second.digest
+
+
+def test_the_total_counts_what_is_made_after_the_last_stage(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    after, summary = 0.0, Motion.summary
+
+    def slow(*given: Any) -> tuple[PlanPart, ...]:
+        nonlocal after
+        after = 5.0
+        return summary(*given)
+
+    monkeypatch.setattr(Motion, "summary", slow)
+    deadline = Deadline.after(60.0, lambda: after)
+    goal, fast = to_frame("exit"), RefineOptions("none")
+    assert solve("maze_2d", goal, deadline, refine=fast).timings["total"] == 5.0
 
 
 def test_stages_are_reported_and_timed() -> None:

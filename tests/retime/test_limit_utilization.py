@@ -7,7 +7,9 @@ from hypothesis import strategies as st
 
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointGroup, JointType
+from planning.retime import limit_utilization
 from planning.retime.limit_utilization import max_utilization
+from planning.retime.polynomials import bisected_form, halved, to_bernstein
 from tests.conftest import group_of, limits_of, random_waypoints
 
 GROUPS = [
@@ -50,3 +52,27 @@ def test_a_peak_between_ends_is_met_to_nine_digits() -> None:
     use = max_utilization(curve, limits_of(group, velocity=2.0), 1)
     assert use.block == 2
     assert 0.5 <= use.fraction <= 0.5 * (1 + 2e-9)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@given(seed=st.integers(0, 10_000))
+def test_the_kernel_finds_the_same_peak(order: int, seed: int) -> None:
+    group = GROUPS[0]
+    curve, limits = random_curve(group, seed), limits_of(group, velocity=0.7, jerk=40.0)
+    by_kernel = max_utilization(curve, limits, order)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(limit_utilization, "native", lambda: None)
+        in_numpy = max_utilization(curve, limits, order)
+    assert by_kernel.fraction == pytest.approx(in_numpy.fraction, rel=2e-9)
+    assert by_kernel.block == in_numpy.block
+
+
+@given(seed=st.integers(0, 10_000), degree=st.integers(0, 6))
+def test_parts_have_the_form_that_halving_gives(seed: int, degree: int) -> None:
+    rng = np.random.default_rng(seed)
+    coefficients, widths = rng.normal(size=(3, degree + 1, 2)), rng.uniform(0.1, 2.0, 3)
+    form = to_bernstein(coefficients, widths)
+    for _ in range(2 if degree > 1 else 0):
+        form = halved(form)
+    found = bisected_form(coefficients, widths, 2)
+    np.testing.assert_allclose(found.reshape(form.shape), form, rtol=1e-13, atol=1e-13)

@@ -8,7 +8,9 @@ zero, the speeds there, and bounds on sdot, sddot and sdddot that keep the limit
 the resulting profile, `profile_optimizer` continues.
 """
 
+import math
 from collections.abc import Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -109,7 +111,10 @@ def _dp_profile(
     if not segments:
         message = "no velocity profile along the path satisfies the jerk limits"
         raise RetimingFailed(message, {"method": "ruckig", "num_cells": len(is_straight)})
-    whole = SpeedProfile.joined([_segment_profile(segment, cells.edges) for segment in segments])
+    parts = [_phases_of(segment, cells.edges) for segment in segments]
+    end = cells.edges[segments[-1].end]
+    s, v, a, j, h = (np.array(column) for column in zip(*chain.from_iterable(parts), strict=True))
+    whole = SpeedProfile(np.append(s, end), v, a, j, h)
     return whole.split_at(smooth_piece.breaks[1:-1])
 
 
@@ -180,15 +185,17 @@ def _merge_straight_segments(
     return merged
 
 
-def _segment_profile(segment: SpeedSegment, edges: Array) -> SpeedProfile:
-    """Return ruckig's phases for a speed segment.
+def _phases_of(
+    segment: SpeedSegment, edges: Array
+) -> list[tuple[float, float, float, float, float]]:
+    """Return ruckig's phases for a speed segment: s, v, a and j at the start of each, and h.
 
     Ruckig gets units with a top speed and a jerk of 1, for its absolute tolerances, and no more
     acceleration than it could use.
     """
     begin, end = float(edges[segment.begin]), float(edges[segment.end])
     max_speed, acceleration, jerk = segment.bounds
-    unit = np.sqrt(max_speed / jerk)
+    unit = math.sqrt(max_speed / jerk)
     length = (end - begin) / (max_speed * unit)
     phases = _solve_ruckig(
         length,
@@ -207,17 +214,12 @@ def _segment_profile(segment: SpeedSegment, edges: Array) -> SpeedProfile:
     if abs(s - length) > _MAX_END_ERROR * length or phases.brake.duration > _MIN_PHASE:
         message = "ruckig's profile does not end at the end of its path segment"
         raise RetimingFailed(message, {"method": "ruckig", "missed": s - length})
-    columns = np.array(rows).T
     # The phases add up to the length up to rounding; the parameter is scaled to end exactly.
     scale = (end - begin) / s
-    parameters = np.append(begin + columns[0] * scale, end)
-    return SpeedProfile(
-        parameters,
-        columns[1] * scale / unit,
-        columns[2] * scale / unit**2,
-        columns[3] * scale / unit**3,
-        columns[4] * unit,
-    )
+    return [
+        (begin + s * scale, v * scale / unit, a * scale / unit**2, j * scale / unit**3, h * unit)
+        for s, v, a, j, h in rows
+    ]
 
 
 def _solve_ruckig(

@@ -58,9 +58,10 @@ class PolylinePoints:
         """The same points in reverse order."""
         return PolylinePoints(self.qs[::-1], -self.last_edge[::-1], -self.first_edge[::-1])
 
-    def are_on_one_edge(self, i: int, j: int) -> bool:
-        """Return whether point i and a later point j lie on one edge."""
-        return bool(self.first_edge[j] <= self.last_edge[i])
+    def last_on_edge_of(self, i: int) -> int:
+        """Return the last point that lies on one edge with point i."""
+        # Edges are in order, so are the points.
+        return int(np.searchsorted(self.first_edge, self.last_edge[i], side="right")) - 1
 
 
 def subdivide(

@@ -37,10 +37,10 @@ def skip_vertices(
         here, there = chain[-1], untried[-1]
         if is_over():
             there = min(there, here + 1)
-        while there > here and (
-            is_dead[there] or not edges.is_free(waypoints[here], waypoints[there])
-        ):
-            there -= 1
+        others = np.arange(there, here, -1)
+        others = others[~is_dead[others]]
+        first = edges.first_free(waypoints[here : here + 1], waypoints[others])
+        there = int(others[first]) if first < len(others) else here
         untried[-1] = there - 1
         if there > here:
             chain.append(there)
@@ -66,9 +66,8 @@ def tighten(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> Array
 
 
 def _furthest(points: PolylinePoints, here: int, edges: EdgeChecker) -> int:
-    there = len(points.qs) - 1
-    while not points.are_on_one_edge(here, there) and not edges.is_free(
-        points.qs[there], points.qs[here]
-    ):
-        there -= 1
-    return there
+    """Return the last point that a free edge joins to one, at least the last one on its edge."""
+    last = len(points.qs) - 1
+    nearest = points.last_on_edge_of(here)
+    others = np.ascontiguousarray(points.qs[last:nearest:-1])
+    return last - edges.first_free(others, points.qs[here : here + 1])

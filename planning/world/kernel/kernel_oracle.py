@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, UInt8
 from pydrake.planning import SceneGraphCollisionChecker
 
-from planning.domain.arrays import Array
+from planning.domain.arrays import Array, Flags, Indices
 from planning.domain.curves import motion_samples
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
@@ -117,13 +117,60 @@ class KernelCollisionOracle:
             )
         verdicts, undecided = self._checker.check_motions(origins, displacements, resolution)
         free = verdicts != self._colliding
-        for motion in np.unique(undecided[:, 0]) if len(undecided) else ():
+        if len(undecided):
+            self._decide(free, undecided, origins, displacements)
+        return free
+
+    def are_edges_free(
+        self,
+        q0s: Float64[np.ndarray, "m nq"],
+        q1s: Float64[np.ndarray, "m nq"],
+        resolution: float,
+        max_steps: int,
+    ) -> tuple[Bool[np.ndarray, " m"], int] | None:
+        """Return whether each straight edge is free, as its motion, and how many steps all have.
+
+        None if these are more than `max_steps`. For joints that do not float.
+        """
+        found = self._checker.check_edges(q0s, q1s, resolution, max_steps)
+        if found is None:
+            return None
+        free, undecided, num_steps = found
+        if len(undecided):
+            self._decide(free, undecided, q0s, q1s - q0s)
+        return free, num_steps
+
+    def first_free_edge(
+        self,
+        q0s: Float64[np.ndarray, "m nq"],
+        q1s: Float64[np.ndarray, "m nq"],
+        resolution: float,
+        max_steps: int,
+    ) -> tuple[int, bool, int]:
+        """Return the first straight edge that is free: its index, if that is sure, and the steps.
+
+        The index is the number of edges if none is free. An edge that is not sure, or has more than
+        `max_steps`, ends the search as well, and its steps do not count. For joints that do not
+        float.
+
+        Args:
+            q0s: Where edges begin, one row for all or for each.
+            q1s: Where they end, likewise.
+            resolution: Largest length of a step.
+            max_steps: Largest number of steps of an edge.
+        """
+        return self._checker.first_edge(q0s, q1s, resolution, max_steps)
+
+    def _decide(
+        self, free: Flags, undecided: Indices, origins: Array, displacements: Array
+    ) -> None:
+        """Have Drake decide samples of motions, in rows of motion, i and n."""
+        for motion in np.unique(undecided[:, 0]):
             rows = undecided[undecided[:, 0] == motion]
             fractions = rows[:, 1] / rows[:, 2]
             qs = origins[motion] + fractions[:, None] * displacements[motion]
             self.num_undecided += len(qs)
             free[motion] = self._drake_oracle.are_free(qs).all()
-        return free
 
     def connect_trees(
         self,

@@ -18,6 +18,7 @@ from service.jobs.dispatch.spans import run_traced
 from service.jobs.errors import DatabaseTaken, InternalError
 from service.jobs.event_buffer import EventBuffer
 from service.jobs.job import Job, JobText, PendingEvent
+from service.jobs.json_text import Encoded, encode
 from service.jobs.outcome import Lost, Outcome, Raised, Returned, Terminated
 from service.jobs.states import JobState
 from service.jobs.store.transitions import Transition
@@ -54,6 +55,7 @@ class Attempt:
         scheduler: Scheduler,
         controls: Mapping[str, Any],
         conclusion: Conclusion,
+        text: str | None = None,
     ) -> None:
         """Prepare to run a queued job.
 
@@ -63,10 +65,12 @@ class Attempt:
             scheduler: Has workers.
             controls: That are set.
             conclusion: What is done before its end is recorded.
+            text: Its payload as JSON, if that is known.
         """
         self._conclusion = conclusion
         self.job = job
         self.controls = dict(controls)
+        self._text = text
         self.has_begun = False
         self.concluded = asyncio.Event()
         self.ended: JobText | None = None
@@ -284,7 +288,8 @@ class Attempt:
         try:
             if self._may_begin:
                 self._worker = worker
-                task = (job.task, job.payload, self._events, job.time_limit, self.controls)
+                payload = Encoded(encode(job.payload) if self._text is None else self._text)
+                task = (job.task, payload, self._events, job.time_limit, self.controls)
                 outcome = await run_traced(worker, Assignment(*task, ids=self.ids))
         except Exception as fault:  # noqa: BLE001  (no job may stay unfinished)
             _log.exception("the worker failed under %s", job.id)

@@ -44,10 +44,21 @@ class Attempts(dict[str, Attempt]):
         self.schedule(job, controls, place).confirm(job)
 
     def schedule(
-        self, job: Job, controls: Mapping[str, Any], place: Place | None = None
+        self,
+        job: Job,
+        controls: Mapping[str, Any],
+        place: Place | None = None,
+        text: str | None = None,
     ) -> Attempt:
-        """Run a job when it has a worker; if its process dies it keeps its place in the queue."""
-        attempt = Attempt(job, self._recorder, self._scheduler, controls, self._conclusion())
+        """Run a job when it has a worker; if its process dies it keeps its place in the queue.
+
+        Args:
+            job: To run.
+            controls: That are set.
+            place: In the queue; None for the last one.
+            text: Its payload as JSON, if that is known.
+        """
+        attempt = Attempt(job, self._recorder, self._scheduler, controls, self._conclusion(), text)
         self[job.id] = attempt
         own = place or self._scheduler.next_place(job.queue)
 

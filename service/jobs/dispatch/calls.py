@@ -13,7 +13,7 @@ from service.jobs.dispatch.spans import run_traced
 from service.jobs.errors import WORKER, QueueTimeout
 from service.jobs.event_buffer import NullSink
 from service.jobs.json_steps import STEP, decode
-from service.jobs.json_text import Encoded, decode_parts
+from service.jobs.json_text import Encoded, decode_parts, encode
 from service.jobs.outcome import Crashed, Lost, Outcome, Returned, TimedOut, error_of
 from service.jobs.task import artifacts_of
 from service.jobs.worker.assignment import Assignment, Worker
@@ -161,7 +161,9 @@ class Calls:
     async def _run_in(self, call: Call, worker: Worker) -> _Finished:
         loop = asyncio.get_running_loop()
         began = loop.time()
-        run = Assignment(call.task, call.payload, NullSink(), call.time_limit, ids=bound_ids())
+        run = Assignment(
+            call.task, Encoded(encode(call.payload)), NullSink(), call.time_limit, ids=bound_ids()
+        )
         content: Any = None
         try:
             await worker.bring(artifacts_of(call.task, call.payload))

@@ -83,7 +83,9 @@ class JobSubmission:
         """
         drafts = [draft(spec) for spec in specs]
         # In time for what may run twice; a run of what may not waits for its start to be written.
-        attempts = [self._attempts.schedule(drafted.job, {}) for drafted in drafts]
+        attempts = [
+            self._attempts.schedule(drafted.job, {}, text=drafted.payload) for drafted in drafts
+        ]
         try:
             # It is sent to its worker before the thread that writes takes part of the interpreter.
             await asyncio.sleep(0)

@@ -18,7 +18,7 @@ from service.jobs.hosts.messages import HostMessage, HostMessageKind, unpack
 from service.jobs.hosts.outbox import Outbox, OutboxSink
 from service.jobs.hosts.outcome_text import dump_outcome
 from service.jobs.hosts.plan import HostPlan
-from service.jobs.json_text import encode
+from service.jobs.json_text import Encoded, encode
 from service.jobs.outcome import Crashed, Outcome, Raised, Terminated
 from service.jobs.worker.assignment import Assignment, Worker
 from service.jobs.worker.process_worker import ProcessWorker
@@ -168,7 +168,7 @@ class HostedWorker:
         head, payload = message.parts
         terms = json.loads(head)
         limit, controls = terms["time_limit"], terms["controls"]
-        run = Assignment(terms["task"], json.loads(payload), self._sink, limit, controls)
+        run = Assignment(terms["task"], Encoded(payload), self._sink, limit, controls)
         try:
             await self._bring(terms["artifacts"])
         except OSError as fault:  # this machine's disk is full: another one may have room

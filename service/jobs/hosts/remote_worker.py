@@ -164,7 +164,7 @@ class RemoteWorker:
             "controls": dict(run.controls),
             "artifacts": self._artifacts,
         }
-        body = f"{encode(terms)}\n{json.dumps(run.payload)}"
+        body = f"{encode(terms)}\n{run.payload.text}"
         self._say(HostMessageKind.RUN, body.encode())
         try:
             outcome = await self._ended

@@ -66,7 +66,8 @@ def draft(spec: JobSpec) -> Draft:
     Raises:
         TypeError: The payload is not JSON-compatible.
     """
-    row, payload = _queued_row(spec), encode(spec.payload)
+    given = spec.payload
+    row, payload = _queued_row(spec), given.text if isinstance(given, Encoded) else encode(given)
     later = dict.fromkeys(_NOT_YET)
     job = job_of({**row, "sequence": 0, "payload": json.loads(payload), **later})
     entry = Entry(spec.robots, spec.follows, spec.waits) if spec.robots else None

@@ -8,7 +8,7 @@ from service.jobs.outline import without
 from service.jobs.states import JobState
 from service.jobs.store.entries import lock_entries, read_entries, write_released
 from service.jobs.store.job_store import JobStore
-from service.jobs.store.queries import read_job
+from service.jobs.store.queries import decoded, read_job
 from service.jobs.store.sql.notifications import note_change
 from service.jobs.store.sql.tables import bodies, jobs, summaries
 from service.jobs.task import outline_of
@@ -37,8 +37,9 @@ def release(store: JobStore, identifier: str, spec: JobSpec) -> Job | None:
         if not read_entries(connection, spec.queue, scene).is_free_for(identifier):
             raise Overtaken
         write_released(connection, identifier)
-        short = without(spec.payload, outline_of(spec.task).payload)
-        for table, payload in ((bodies, spec.payload), (summaries, short)):
+        whole = decoded(spec.payload)
+        short = without(whole, outline_of(spec.task).payload)
+        for table, payload in ((bodies, whole), (summaries, short)):
             connection.execute(
                 update(table).where(table.c.job == identifier).values(payload=payload)
             )

@@ -26,7 +26,7 @@ class Assignment:
 
     Attributes:
         task: Its name.
-        payload: What it is called with.
+        payload: What it is called with, as JSON.
         sink: Gets each of its events, in the event loop's thread.
         time_limit: Seconds after which it is told to end, and a little later killed; or None. A
             task that knows better may change it while it runs.
@@ -35,7 +35,7 @@ class Assignment:
     """
 
     task: str
-    payload: dict[str, Any]
+    payload: Encoded
     sink: EventSink
     time_limit: float | None = None
     controls: Mapping[str, Any] = field(default_factory=dict)

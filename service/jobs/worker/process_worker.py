@@ -121,7 +121,7 @@ class ProcessWorker:
         self._token += 1
         cancel = Message(MessageKind.CANCEL, self._token)
         termination.begin(lambda: process.send(cancel), lambda: self._kill(process))
-        body = two_parts(json.dumps([run.task, dict(run.ids)]), json.dumps(run.payload))
+        body = two_parts(json.dumps([run.task, dict(run.ids)]), run.payload.text)
         process.send(Message(MessageKind.TASK, self._token, body))
         self._running_in = process
         if run.controls:

@@ -5,7 +5,6 @@ and a crash of native code ends everything. A run is given up in time all the sa
 """
 
 import asyncio
-import json
 import threading
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext, suppress
@@ -165,9 +164,8 @@ class ThreadWorker:
         """Run the task, in the thread."""
         if self._copies is not None:
             set_host_folder(self._copies.folder)
-        payload = json.dumps(run.payload)
         with with_ids(run.ids), _ONE_AT_A_TIME if self._is_exclusive else nullcontext():
-            end = run_task(run.task, payload, context)
+            end = run_task(run.task, run.payload.text, context)
 
         def finish() -> None:
             self._is_free.set()

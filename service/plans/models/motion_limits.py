@@ -174,7 +174,8 @@ class MotionLimits(RequestModel):
         """
         if self.effort and all(bound is None for bound in group.limits.effort):
             raise domain.missing_effort_limits(group.name)
-        domain.validate_signed_blocks(self.acceleration_bounds, group.domain_joints)
+        if self.acceleration_bounds:
+            domain.validate_signed_blocks(self.acceleration_bounds, group.domain_joints)
 
 
 class ScaledLimits(MotionLimits):

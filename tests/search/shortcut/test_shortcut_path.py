@@ -258,10 +258,8 @@ def test_points_know_their_edges(checkers):
     points = subdivide(DETOUR, checkers[1], 3)
     assert len(points.qs) == 19
     for way in (points, points.in_reverse):
-        on_edge = [way.are_on_one_edge(0, j) for j in range(1, 19)]
-        assert on_edge == [True] * 3 + [False] * 15
-        assert not way.are_on_one_edge(1, 4)
-        assert way.are_on_one_edge(15, 18)
+        assert [way.last_on_edge_of(i) for i in (0, 1, 2, 3, 15, 17)] == [3, 3, 3, 6, 18, 18]
+        assert all(way.first_edge[way.last_on_edge_of(i)] <= way.last_edge[i] for i in range(18))
     assert np.array_equal(points.in_reverse.qs[-1], DETOUR[0])
 
 

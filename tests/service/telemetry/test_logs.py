@@ -119,6 +119,7 @@ print(before, "structlog" in sys.modules)
 WORKER = """
 import asyncio
 from service.jobs.event_buffer import NullSink
+from service.jobs.json_text import Encoded
 from service.jobs.worker.assignment import Assignment
 from service.jobs.worker.main import Terms
 from service.jobs.worker.process_worker import ProcessWorker
@@ -130,7 +131,7 @@ async def story():
     await worker.open(None)
     await worker.ready()
     for ids in ({"request_id": "r1", "job_id": "j1"}, {"job_id": "j2"}):
-        await worker.run(Assignment("fake.blunder", {}, NullSink(), ids=ids))
+        await worker.run(Assignment("fake.blunder", Encoded("{}"), NullSink(), ids=ids))
     await worker.close()
 
 if __name__ == "__main__":

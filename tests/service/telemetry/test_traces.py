@@ -120,7 +120,7 @@ class Told:
 
 def test_the_worker_is_told_the_span_of_its_task(exporter):
     worker = Told()
-    run = Assignment("echo", {}, NullSink(), ids={**PARENT, "job_id": "j1"})
+    run = Assignment("echo", Encoded("{}"), NullSink(), ids={**PARENT, "job_id": "j1"})
     asyncio.run(run_traced(worker, run))
     (span,) = exporter.get_finished_spans()
     told = worker.run_told.ids

@@ -4,6 +4,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -20,6 +21,20 @@ std::vector<std::uint8_t> numbers_of(const std::vector<Verdict>& verdicts) {
   std::vector<std::uint8_t> numbers(verdicts.size());
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<std::uint8_t>(verdicts[i]);
   return numbers;
+}
+
+// Whether each is not known to collide.
+auto flags_of(const std::vector<Verdict>& verdicts) {
+  std::vector<bool> flags(verdicts.size());
+  for (std::size_t i = 0; i < flags.size(); ++i) flags[i] = verdicts[i] != Verdict::colliding;
+  return array_of(flags, flags.size());
+}
+
+// Rows of motion, i and n.
+auto samples_of(const std::vector<Unsure>& unsure) {
+  std::vector<std::int64_t> rows;
+  for (const Unsure& u : unsure) rows.insert(rows.end(), {u.motion, u.i, u.n});
+  return array_of(rows, unsure.size(), 3);
 }
 
 std::size_t columns(const Checker& checker) { return static_cast<std::size_t>(checker.num_positions()); }
@@ -50,9 +65,36 @@ auto check_motions(const Checker& checker, const Doubles& origins, const Doubles
     nb::gil_scoped_release released;
     checker.check_motions(from.all(), by.all(), resolution, verdicts, unsure);
   }
-  std::vector<std::int64_t> rows;
-  for (const Unsure& u : unsure) rows.insert(rows.end(), {u.motion, u.i, u.n});
-  return nb::make_tuple(array_of(numbers_of(verdicts), from.rows), array_of(rows, unsure.size(), 3));
+  return nb::make_tuple(array_of(numbers_of(verdicts), from.rows), samples_of(unsure));
+}
+
+// Rows of edges: whether each does not collide, samples that are unsure, and how many samples there are; None if those
+// are more than `most`.
+nb::object check_edges(const Checker& checker, const Doubles& q0s, const Doubles& q1s, double resolution,
+                       std::int64_t most) {
+  const Table from = table(q0s, columns(checker), "q0s");
+  const Table to = table(q1s, from.rows, columns(checker), "q1s");
+  positive(resolution, "resolution");
+  std::vector<Verdict> verdicts(from.rows);
+  std::vector<Unsure> unsure;
+  std::int64_t total = 0;
+  {
+    nb::gil_scoped_release released;
+    total = checker.check_edges(from.all(), to.all(), resolution, most, verdicts, unsure);
+  }
+  if (total > most) return nb::none();
+  return nb::make_tuple(flags_of(verdicts), samples_of(unsure), total);
+}
+
+// The first edge that does not collide: its index, whether that is sure, and how many samples were asked for.
+auto first_edge(const Checker& checker, const Doubles& q0s, const Doubles& q1s, double resolution, std::int64_t most) {
+  const Table from = table(q0s, columns(checker), "q0s"), to = table(q1s, columns(checker), "q1s");
+  require(from.rows == to.rows || from.rows == 1 || to.rows == 1, "q0s and q1s differ in their number of rows");
+  positive(resolution, "resolution");
+  const std::size_t count = from.rows && to.rows ? std::max(from.rows, to.rows) : 0;
+  nb::gil_scoped_release released;
+  const FirstEdge found = checker.first_edge(from.all(), to.all(), count, resolution, most);
+  return std::make_tuple(found.index, found.verdict != Verdict::unsure, found.num_samples);
 }
 
 // One motion: its verdict alone.
@@ -107,6 +149,8 @@ void bind_checker(nb::module_& m) {
       .def("check_one", &check_one, nb::arg("q"))
       .def("check_motions", &check_motions, nb::arg("origins"), nb::arg("displacements"), nb::arg("resolution"))
       .def("check_motion", &check_motion, nb::arg("origin"), nb::arg("displacement"), nb::arg("resolution"))
+      .def("check_edges", &check_edges, nb::arg("q0s"), nb::arg("q1s"), nb::arg("resolution"), nb::arg("most"))
+      .def("first_edge", &first_edge, nb::arg("q0s"), nb::arg("q1s"), nb::arg("resolution"), nb::arg("most"))
       .def("check_edge", &check_edge, nb::arg("q0"), nb::arg("q1"), nb::arg("resolution"))
       .def_prop_ro("undecided_static_pairs", &Checker::undecided_static_pairs)
       .def_prop_ro("batch_kernel", [](const Checker& c) { return std::string(c.kernel().name); });

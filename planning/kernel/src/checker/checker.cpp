@@ -248,6 +248,39 @@ void Checker::check_motions(std::span<const double> origins, std::span<const dou
   }
 }
 
+std::int64_t Checker::check_edges(std::span<const double> from, std::span<const double> to, double resolution,
+                                  std::int64_t most, std::span<Verdict> verdicts, std::vector<Unsure>& unsure) const {
+  const int nq = num_positions();
+  std::vector<double> displacements(from.size());
+  for (std::size_t k = 0; k < from.size(); ++k) displacements[k] = to[k] - from[k];
+  std::int64_t total = 0;
+  for (std::size_t j = 0; j < verdicts.size(); ++j)
+    total += num_samples(&displacements[j * static_cast<std::size_t>(nq)], nq, resolution);
+  if (total <= most) check_motions(from, displacements, resolution, verdicts, unsure);
+  return total;
+}
+
+FirstEdge Checker::first_edge(std::span<const double> from, std::span<const double> to, std::size_t count,
+                              double resolution, std::int64_t most) const {
+  const Lease lease(*this);
+  const auto nq = static_cast<std::size_t>(num_positions());
+  std::vector<double> displacement(nq);
+  std::vector<Unsure> unsure;
+  std::int64_t total = 0;
+  for (std::size_t j = 0; j < count; ++j) {
+    const double* begin = &from[from.size() > nq ? j * nq : 0];
+    const double* end = &to[to.size() > nq ? j * nq : 0];
+    for (std::size_t i = 0; i < nq; ++i) displacement[i] = end[i] - begin[i];
+    const std::int64_t n = num_samples(displacement.data(), num_positions(), resolution);
+    if (n > most) return {j, Verdict::unsure, total};
+    const Verdict verdict = check_motion({begin, displacement.data(), n, false}, 0, unsure, *lease.workspace);
+    if (verdict == Verdict::unsure) return {j, verdict, total};
+    total += n;
+    if (verdict == Verdict::free) return {j, verdict, total};
+  }
+  return {count, Verdict::colliding, total};
+}
+
 Verdict Checker::check_edge(std::span<const double> from, std::span<const double> to, double resolution,
                             std::int64_t& n) const {
   const Lease lease(*this);

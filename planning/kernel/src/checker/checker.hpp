@@ -23,6 +23,15 @@ struct PairThreshold {
 // Distance from the threshold below which an exact distance gives no verdict [m]: the exact checker's own tolerance.
 constexpr double exact_slack = 1e-5;
 
+// The first edge of some that does not collide: its index, their number if there is none, and its verdict, which is
+// unsure as well if it has too many samples to be checked at once; and how many samples it and those before it have,
+// without one that is unsure.
+struct FirstEdge {
+  std::size_t index;
+  Verdict verdict;
+  std::int64_t num_samples;
+};
+
 // Undecided samples of a motion, by number i of n.
 struct Unsure {
   std::int64_t motion, i, n;
@@ -43,6 +52,16 @@ class Checker {
   // For joints whose q and v are the same.
   void check_motions(std::span<const double> origins, std::span<const double> displacements, double resolution,
                      std::span<Verdict> verdicts, std::vector<Unsure>& unsure) const;
+
+  // Checks edges between rows of configurations, the ends `to` included, as check_motions does; returns how many
+  // samples they have. Checks none if those are more than `most`.
+  std::int64_t check_edges(std::span<const double> from, std::span<const double> to, double resolution,
+                           std::int64_t most, std::span<Verdict> verdicts, std::vector<Unsure>& unsure) const;
+
+  // Returns the first of `count` such edges that does not collide. `from` or `to` may have one row, for all edges. One
+  // of more than `most` samples is left unsure.
+  FirstEdge first_edge(std::span<const double> from, std::span<const double> to, std::size_t count, double resolution,
+                       std::int64_t most) const;
 
   // Checks one motion between two configurations, both ends included; sets its number of samples.
   Verdict check_edge(std::span<const double> from, std::span<const double> to, double resolution,

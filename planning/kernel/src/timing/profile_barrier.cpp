@@ -101,17 +101,19 @@ ProfileBarrier::StateModel ProfileBarrier::model(const TimingSpline& spline, int
   const double *r1 = rates(1, end, phase), *r2 = rates(2, end, phase), *r3 = rates(3, end, phase);
   const double v = spline.v()[phase + end], a = spline.a()[phase + end], j = spline.j()[phase];
   const double t1 = tightening[phase], t2 = tightening[n_ + phase], t3 = tightening[2 * n_ + phase];
-  const auto add = [&](double u, const double (&by)[3]) {
-    const double above = 1 / (1 - u), below = 1 / (1 + u), curvature = above * above + below * below;
-    for (int p = 0; p < 3; ++p) {
-      found.gradient[p] += (above - below) * by[p];
-      for (int q = 0; q <= p; ++q) found.hessian[p][q] += curvature * by[p] * by[q];
+  // -log(1 - u^2): its slope and its curvature have one divisor. The other slopes of u are zero.
+  const auto add = [&]<std::size_t count>(double u, const double (&by)[count]) {
+    const double inverse = 1 / ((1 - u) * (1 + u)), slope = 2 * u * inverse,
+                 curvature = 2 * (1 + u * u) * inverse * inverse;
+    for (std::size_t p = 0; p < count; ++p) {
+      found.gradient[p] += slope * by[p];
+      for (std::size_t q = 0; q <= p; ++q) found.hessian[p][q] += curvature * by[p] * by[q];
     }
   };
   for (std::size_t i = 0; i < joints_; ++i) {
     const double w1 = t1 * velocity[i], w2 = t2 * acceleration[i], w3 = t3 * jerk[i];
-    add(w1 * (r1[i] * v), {w1 * r1[i], 0, 0});
-    add(w2 * (r1[i] * a + r2[i] * v * v), {w2 * 2 * r2[i] * v, w2 * r1[i], 0});
+    add(w1 * (r1[i] * v), {w1 * r1[i]});
+    add(w2 * (r1[i] * a + r2[i] * v * v), {w2 * 2 * r2[i] * v, w2 * r1[i]});
     add(w3 * (r1[i] * j + 3 * r2[i] * v * a + r3[i] * v * v * v),
         {w3 * (3 * r2[i] * a + 3 * r3[i] * v * v), w3 * 3 * r2[i] * v, w3 * r1[i]});
   }

@@ -201,7 +201,8 @@ def test_a_job_is_on_its_way_to_a_worker_before_the_writer_is_asked():
         async def send():
             told.append("sent")
 
-        def seat(_, __):
+        def seat(_, __, text):
+            assert text == "{}"
             runs.append(asyncio.create_task(send()))
             return Run()
 

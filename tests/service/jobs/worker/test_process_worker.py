@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from planning.errors import Canceled, GoalUnreachable
-from service.jobs.json_text import Encoded
+from service.jobs.json_text import Encoded, encode
 from service.jobs.outcome import Crashed, MemoryExceeded, Raised, Returned, Terminated, TimedOut
 from service.jobs.worker.assignment import Assignment
 from service.jobs.worker.main import Terms
@@ -61,7 +61,7 @@ def open_slot(kind):
 
 
 def run_of(task, sink=None, allowed=None, **payload):
-    return Assignment(f"fake.{task}", payload, sink or Sink(), allowed)
+    return Assignment(f"fake.{task}", Encoded(encode(payload)), sink or Sink(), allowed)
 
 
 def is_alive(pid):
