@@ -2,7 +2,7 @@
 
 Sequential convex programming in a trust region, with distances under an exact penalty (Schulman et
 al., "Motion planning with sequential convex optimization and convex collision checking", IJRR 33:9,
-2014): see `model/curve_model` and `trust_region`, for cars `cars/`. Every curve that is better than
+2014): see `model/curve_model` and `descents/`, for cars `cars/`. Every curve that is better than
 those before it is audited densely; where it violates a margin between the instants at which
 distances are kept, those instants are added.
 """
@@ -16,10 +16,10 @@ from planning.domain.robot.steering import steering_of
 from planning.refine.cars.drive_refiner import refine_drive
 from planning.refine.curve_checks import curve_length
 from planning.refine.curves.chart import FlatChart, make_chart
+from planning.refine.descents.multi_start import solve_multi_start
 from planning.refine.model.penalty_qp import solver_name
 from planning.refine.motion.convex_program import ConvexProgram
 from planning.refine.motion.motion_refiner import STATIC_LOAD_REASON, refine_motion
-from planning.refine.multi_start import solve_multi_start
 from planning.refine.refine_method import Refined
 from planning.refine.refine_problem import RefineProblem
 from planning.refine.request import RefineRequest

@@ -27,25 +27,18 @@ from planning.refine.curves.chart import Chart, make_chart
 from planning.refine.curves.curve_evaluation import CurveEvaluation
 from planning.refine.curves.duration_bound import duration_lower_bound
 from planning.refine.curves.path_velocity import duration_of, path_grid
+from planning.refine.descents.descent import PREDICATE_REJECTION, Descent
 from planning.refine.model.curve_model import CurveModel
 from planning.refine.model.load_evaluation import path_velocity_along
 from planning.refine.request import RefineRequest
-from planning.refine.trust_region import TrustRegion
 from planning.world.constraints.predicate_constraint import PredicateConstraint
 from planning.world.world import World
 
-# Iterations, not seconds, decide when to give up, so that the same request gives the same bytes.
-_MAX_STEPS = 25
 # Spacing of the instants at which distances are kept (joint-space length), and their number.
 _SAMPLE_SPACING = 0.045
 _MIN_SAMPLES, _MAX_SAMPLES = 60, 200
-# Factor above the least possible duration at which the optimization stops.
-_STOP_RATIO = 1.002
 # Factor above the least possible duration beyond which other initial guesses are tried.
 _RESTART_RATIO = 1.03
-# Number of curves rejected by a predicate that ends a descent: no gradient leads to others.
-_MAX_REJECTED_CURVES = 2
-_PREDICATE_REJECTION = "the optimized curve violates a path predicate"
 
 
 @dataclass(frozen=True)
@@ -153,11 +146,13 @@ class RefineProblem:
         path_velocity, _ = path_velocity_along(points, self.rate_bounds)
         return duration_of(path_grid(len(points)), path_velocity)
 
-    def optimize(self, guess: Array) -> tuple[CurveEvaluation | None, int, str]:
-        """Return the best free curve of a descent from a guess, or None.
+    @property
+    def is_over(self) -> bool:
+        """Whether the time is used up."""
+        return self.deadline.is_over
 
-        Also the number of steps, and why the last curve was rejected.
-        """
+    def descent(self, guess: Float64[np.ndarray, "k nv"]) -> Descent:
+        """Return a descent from a guess, before its first step."""
         length = float(np.linalg.norm(np.diff(self.waypoints, axis=0), axis=1).sum())
         num_samples = int(np.clip(length / _SAMPLE_SPACING, *self.sample_range))
         model = CurveModel(
@@ -168,27 +163,16 @@ class RefineProblem:
             num_samples,
             self.clearance_objective,
         )
-        trust_region = TrustRegion(model, model.evaluate(guess))
-        best: CurveEvaluation | None = None
-        reason, num_rejected = "the deadline passed during refinement", 0
-        for evaluation in trust_region.run(_MAX_STEPS):
-            if best is None or evaluation.objective < best.objective:
-                reason, violations = self.check_curve(evaluation)
-                num_rejected += reason == _PREDICATE_REJECTION
-                if not reason:
-                    best = evaluation
-                if len(violations):
-                    # At a thin wall that the last step crossed, gradients point to either side:
-                    # back to a curve that was free, if there is one.
-                    model.add_samples(violations)
-                    trust_region.current = model.evaluate((best or trust_region.current).points)
-            if (
-                self.deadline.is_over
-                or num_rejected >= _MAX_REJECTED_CURVES
-                or (best is not None and best.objective < _STOP_RATIO * self.lower_bound)
-            ):
-                break
-        return best, trust_region.num_steps, reason
+        return Descent(self, model, guess)
+
+    def optimize(self, guess: Array) -> tuple[CurveEvaluation | None, int, str]:
+        """Return the best free curve of a whole descent from a guess, or None.
+
+        Also the number of steps, and why the last curve was rejected.
+        """
+        descent = self.descent(guess)
+        descent.advance()
+        return descent.best, descent.num_steps, descent.reason
 
     def check_curve(self, evaluation: CurveEvaluation) -> tuple[str, Array]:
         """Return why a curve is rejected, or "", and the instants where it is in violation."""
@@ -209,7 +193,7 @@ class RefineProblem:
         if not is_within_limits(curve, self.limits):
             return "the optimized curve violates position limits", violations
         if not satisfies_predicates(curve, self.predicates):
-            return _PREDICATE_REJECTION, violations
+            return PREDICATE_REJECTION, violations
         return "", violations
 
 

@@ -237,7 +237,7 @@ def test_a_bound_that_was_only_asked_for_is_cut_and_one_that_must_hold_is_not(lo
 
 
 def test_refinement_that_is_cut_is_told() -> None:
-    found = hurried("refined", Hurry("refine", 10, until="retime"))
+    found = hurried("refined", Hurry("refine", 7, until="retime"))
     assert isinstance(found, MotionPlan)
     assert found.certificate.proven
     assert found.cut_short == ("refine",)

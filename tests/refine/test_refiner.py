@@ -15,13 +15,13 @@ from planning.domain.request.deadline import Deadline
 from planning.domain.request.options import RefineOptions, RetimeOptions
 from planning.domain.robot.manifold import Manifold
 from planning.domain.value import digest
+from planning.refine.descents.multi_start import solve_multi_start
+from planning.refine.descents.trust_region import TrustRegion
 from planning.refine.model.curve_model import CurveModel
 from planning.refine.model.penalty_qp import solver_name
-from planning.refine.multi_start import solve_multi_start
 from planning.refine.refine_problem import RefineProblem
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
-from planning.refine.trust_region import TrustRegion
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import retime
 from planning.world.constraints.path_constraints import PathConstraints

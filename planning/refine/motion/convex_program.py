@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
+from planning.refine.descents.trust_region import TrustRegion
 from planning.refine.motion.motion_model import MotionModel
 from planning.refine.motion.motion_program import OUT_OF_TIME, MotionTask, Solution
 from planning.refine.motion.spline_motion import SplineMotion
-from planning.refine.trust_region import TrustRegion
 
 # Iterations, not seconds, decide when to give up, so that the same request gives the same bytes.
 _MAX_STEPS = 30

@@ -18,6 +18,7 @@ from planning.domain.request.deadline import Deadline
 from planning.domain.request.refine_objective import QUICKEST, RefineObjective
 from planning.refine.constraints.request_bounds import exact_rate_bounds
 from planning.refine.curve_checks import curve_length
+from planning.refine.descents.multi_start import MultiStartResult, solve_multi_start
 from planning.refine.model.load_evaluation import path_velocity_along
 from planning.refine.motion.motion_cost import MotionCost
 from planning.refine.motion.motion_program import OUT_OF_TIME, MotionProgram, MotionTask
@@ -28,7 +29,6 @@ from planning.refine.motion.spline_motion import (
     fit_motion,
     rate_time_scaling,
 )
-from planning.refine.multi_start import MultiStartResult, solve_multi_start
 from planning.refine.refine_method import Refined
 from planning.refine.refine_problem import RefineProblem
 from planning.refine.request import RefineRequest

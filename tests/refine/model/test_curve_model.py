@@ -9,8 +9,8 @@ from planning.refine.constraints.distance_buffers import DistanceBuffers
 from planning.refine.constraints.distance_query import make_distance_query
 from planning.refine.constraints.rate_bounds import RateBounds
 from planning.refine.curves.bspline_fit import fit_control_points, unwrapped_waypoints
+from planning.refine.descents.trust_region import TrustRegion
 from planning.refine.model.curve_model import CurveModel
-from planning.refine.trust_region import TrustRegion
 from tests.profiles import num_cases
 
 NUM_INSTANTS = 60

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from planning.domain.robot.joints import JointLimits
 from planning.kernel.native import native
 from planning.refine.constraints.distance_query import DistanceRows
 from planning.refine.constraints.rate_bounds import RateBounds
@@ -137,3 +138,20 @@ def test_a_step_is_that_of_the_rows_in_numpy(name, seed, kind, jerk, radius):
     model = CurveModel(distances, world.limits(group), bounds, len(points), 40)
     model.add_samples(rng.uniform(size=3))
     assert_same_step(model, model.evaluate(points), radius)
+
+
+@SOME
+@given(seed=SEEDS, num_coordinates=st.integers(1, 18), jerk=st.booleans())
+def test_so_it_is_for_any_number_of_coordinates(
+    seed: int, num_coordinates: int, jerk: bool
+) -> None:
+    """The kernel takes eight at once, and what remains."""
+    rng = np.random.default_rng(seed)
+    velocity, acceleration, jerks, effort = rng.uniform(1.0, 9.0, (4, num_coordinates))
+    far, blocks = np.full(num_coordinates, 9.0), tuple((k,) for k in range(num_coordinates))
+    limits = JointLimits(-far, far, velocity, acceleration, jerks, effort, blocks)
+    bounds = RateBounds.of(limits, limits_jerk=jerk)
+    points = np.cumsum(rng.normal(size=(8, num_coordinates)), axis=0)
+    distances = GivenDistances(rng, 20, num_coordinates)
+    model = CurveModel(distances, limits, bounds, len(points), 20)
+    assert_same_step(model, model.evaluate(points), 0.1)

@@ -71,11 +71,17 @@ auto solve_rows(const std::tuple<Doubles, Doubles, Doubles, Doubles>& variables,
   const std::size_t count = row(c, "c").size(), num_rows = row(least, "least").size();
   const std::size_t entries = row(columns, "columns").size();
   if (max_steps < 0) refuse("max_steps is " + std::to_string(max_steps) + ", not 0 or more");
-  PenaltyQp program{static_cast<int>(count),          copy_of(c, count, "c"),
-                    copy_of(q, count, "q"),           copy_of(lower, count, "lower"),
-                    copy_of(upper, count, "upper"),   copy_of(starts, "starts"),
-                    copy_of(columns, "columns"),      copy_of(values, entries, "values"),
-                    products_of(products, count),     copy_of(least, num_rows, "least"),
+  PenaltyQp program{static_cast<int>(count),
+                    copy_of(c, count, "c"),
+                    copy_of(q, count, "q"),
+                    copy_of(lower, count, "lower"),
+                    copy_of(upper, count, "upper"),
+                    copy_of(starts, "starts"),
+                    copy_of(columns, "columns"),
+                    copy_of(values, entries, "values"),
+                    {},
+                    products_of(products, count),
+                    copy_of(least, num_rows, "least"),
                     copy_of(price, num_rows, "price")};
   for (std::size_t i = 0; i < count; ++i)
     if (!(program.lower[i] < program.upper[i])) refuse("lower is not below upper at " + std::to_string(i));

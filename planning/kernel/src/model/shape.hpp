@@ -4,20 +4,23 @@
 // two and a flat disk, a capsule two and a ball. The core is the shape without its ball.
 #pragma once
 
+#include <array>
+#include <memory>
 #include <vector>
 
 #include "math/vec.hpp"
 #include "model/kinds.hpp"
+#include "model/support_table.hpp"
 
 namespace wayproof {
 
 struct Shape {
   ShapeKind kind = ShapeKind::sphere;
   Vec3 size;  // as in planning/kernel/shape.py
-  // The polytope's vertices in G, padded to a multiple of 8; large polytopes have neighbours in sequence, and every
-  // eight have a bounding box: its centre and half sizes, padded to a multiple of 8 boxes.
+  // The polytope's vertices in G, padded to a multiple of 8; those of many vertices have a table instead, which copies
+  // of the shape share.
   std::vector<double> vx, vy, vz;
-  std::array<std::vector<double>, 6> boxes;
+  std::shared_ptr<const SupportTable> table;
   Vec3 axes;  // the ellipsoid's semi-axes in G
   double ball = 0;
   std::vector<std::array<double, 4>> planes;  // of hulls: n . x <= d
@@ -32,8 +35,6 @@ struct Shape {
   Vec3 core_support(Vec3 n) const;
 
  private:
-  void make_boxes();
-
   bool has_few_corners_ = false;  // one or two, on the z axis
 };
 

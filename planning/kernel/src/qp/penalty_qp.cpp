@@ -27,12 +27,17 @@ bool is_finite(const std::vector<double>& x) {
 void scale_rows(PenaltyQp& program) {
   const std::size_t num_sparse = program.starts.size() - 1;
   ProductRows& products = program.products;
-  const auto scale = [&program](std::size_t k, double largest, double* values, double* end) {
-    if (!(largest > 0) || (small_row < largest && largest < large_row)) return;
+  // The unit of a row, to which `least` and `price` are brought.
+  const auto unit_of = [&program](std::size_t k, double largest) {
+    if (!(largest > 0) || (small_row < largest && largest < large_row)) return 1.0;
     const double size = std::exp2(std::ilogb(largest));
-    for (double* value = values; value != end; ++value) *value /= size;
     program.least[k] /= size;
     program.price[k] *= size;
+    return size;
+  };
+  const auto scale = [&unit_of](std::size_t k, double largest, double* values, const double* end) {
+    const double size = unit_of(k, largest);
+    for (double* value = values; size != 1 && value != end; ++value) *value /= size;
   };
   const auto largest_of = [](const double* begin, const double* end) {
     double largest = 0;
@@ -43,13 +48,22 @@ void scale_rows(PenaltyQp& program) {
     double *values = program.values.data() + program.starts[k], *end = program.values.data() + program.starts[k + 1];
     scale(k, largest_of(values, end), values, end);
   }
+  std::size_t next = num_sparse;
+  for (LaneRows::Line& line : program.lanes.lines)
+    for (std::size_t l = 0; l < num_lanes; ++l) {
+      if (!(line.taken >> l & 1U)) continue;
+      double largest = 0;
+      for (std::size_t k = l; k < line.values.size(); k += num_lanes)
+        largest = std::max(largest, std::abs(line.values[k]));
+      const double size = unit_of(next++, largest);
+      for (std::size_t k = l; k < line.values.size(); k += num_lanes) line.values[k] /= size;
+    }
   for (std::size_t r = 0; r < products.rows(); ++r) {
     double* slopes = products.slopes.data() + r * products.num_slopes;
     double weight = 0;
     for (std::size_t i = r * products.num_weights; i < (r + 1) * products.num_weights; ++i)
       if (products.columns[i] != -1) weight = std::max(weight, std::abs(products.weights[i]));
-    scale(num_sparse + r, weight * largest_of(slopes, slopes + products.num_slopes), slopes,
-          slopes + products.num_slopes);
+    scale(next + r, weight * largest_of(slopes, slopes + products.num_slopes), slopes, slopes + products.num_slopes);
   }
 }
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "qp/lane_rows.hpp"
 #include "qp/product_rows.hpp"
 
 namespace wayproof {
@@ -19,6 +20,7 @@ struct PenaltyQp {
   std::vector<double> c, q, lower, upper;
   std::vector<std::int64_t> starts, columns;  // of the rows' entries, as in compressed sparse rows
   std::vector<double> values;
+  LaneRows lanes;                    // more rows, after those
   ProductRows products;              // more rows, after those
   std::vector<double> least, price;  // of all rows
 };

@@ -1,94 +1,113 @@
 #include "qp/product_rows.hpp"
 
 #include <algorithm>
-#include <type_traits>
+#include <array>
 
+#include "math/lanes.hpp"
 #include "math/multiversion.hpp"
 
 namespace wayproof {
 namespace {
 
-// A block: rows with the same columns and weights.
-struct Rows {
-  const std::int64_t* columns;
-  const double *weights, *slopes;
-  std::size_t num_weights, num_slopes, rows;
-};
-
-// Numbers of slopes that loops are compiled for, those of arms; 0 stands for any other. The order of additions is the
-// same for all of them, and for every instruction set.
-template <class Work>
-[[gnu::always_inline]] inline void with_fixed_size(std::size_t count, const Work& work) {
-  if (count == 7) return work(std::integral_constant<std::size_t, 7>{});
-  if (count == 6) return work(std::integral_constant<std::size_t, 6>{});
-  work(std::integral_constant<std::size_t, 0>{});
-}
+using Rows = ProductBlocks::Rows;
 
 [[gnu::always_inline]] inline void add_scaled(double factor, const double* from, std::size_t count, double* to) {
   for (std::size_t i = 0; i < count; ++i) to[i] += factor * from[i];
 }
 
 WAYPROOF_MULTIVERSION
-void rows_times(const Rows& b, const double* x, double* buffer, double* y) {
-  with_fixed_size(b.num_slopes, [&](auto fixed) __attribute__((always_inline)) {
-    const std::size_t count = fixed ? fixed : b.num_slopes;
-    double local[fixed + 1];
-    double* sum = fixed ? local : buffer;
-    std::fill_n(sum, count, 0.0);
-    for (std::size_t i = 0; i < b.num_weights; ++i)
-      if (b.columns[i] >= 0) add_scaled(b.weights[i], x + b.columns[i], count, sum);
-    for (std::size_t r = 0; r < b.rows; ++r) {
-      double total = 0;
-      for (std::size_t i = 0; i < count; ++i) total += b.slopes[r * count + i] * sum[i];
-      y[r] = total;
-    }
-  });
+void rows_times(const Rows& b, const double* x, double* sum, double* y) {
+  std::fill_n(sum, b.num_slopes, 0.0);
+  for (std::size_t i = 0; i < b.num_weights; ++i)
+    if (b.columns[i] >= 0) add_scaled(b.weights[i], x + b.columns[i], b.num_slopes, sum);
+  for (std::size_t r = 0; r < b.rows; ++r) {
+    double total = 0;
+    for (std::size_t i = 0; i < b.num_slopes; ++i) total += b.slopes[r * b.num_slopes + i] * sum[i];
+    y[r] = total;
+  }
 }
 
 WAYPROOF_MULTIVERSION
-void add_transposed_rows(const Rows& b, const double* y, double scale, double* buffer, double* x) {
-  with_fixed_size(b.num_slopes, [&](auto fixed) __attribute__((always_inline)) {
-    const std::size_t count = fixed ? fixed : b.num_slopes;
-    double local[fixed + 1];
-    double* sum = fixed ? local : buffer;
-    std::fill_n(sum, count, 0.0);
-    for (std::size_t r = 0; r < b.rows; ++r) add_scaled(scale * y[r], b.slopes + r * count, count, sum);
-    for (std::size_t i = 0; i < b.num_weights; ++i)
-      if (b.columns[i] >= 0) add_scaled(b.weights[i], sum, count, x + b.columns[i]);
-  });
+void add_transposed_rows(const Rows& b, const double* y, double scale, double* sum, double* x) {
+  std::fill_n(sum, b.num_slopes, 0.0);
+  for (std::size_t r = 0; r < b.rows; ++r) add_scaled(scale * y[r], b.slopes + r * b.num_slopes, b.num_slopes, sum);
+  for (std::size_t i = 0; i < b.num_weights; ++i)
+    if (b.columns[i] >= 0) add_scaled(b.weights[i], sum, b.num_slopes, x + b.columns[i]);
 }
 
 // Adds the products of all pairs of weights with the square sum_r weight_r g_r g_r' of slopes.
 WAYPROOF_MULTIVERSION
-void add_row_squares(const Rows& b, const double* weight, double* buffer, Skyline& matrix) {
-  with_fixed_size(b.num_slopes, [&](auto fixed) __attribute__((always_inline)) {
-    const std::size_t count = fixed ? fixed : b.num_slopes;
-    double local[fixed * fixed + 1];
-    double* square = fixed ? local : buffer;
-    std::fill_n(square, count * count, 0.0);
-    for (std::size_t r = 0; r < b.rows; ++r) {
-      const double* g = b.slopes + r * count;
-      for (std::size_t i = 0; i < count; ++i) add_scaled(weight[r] * g[i], g, count, square + i * count);
+void add_row_squares(const Rows& b, const double* weight, double* square, Skyline& matrix) {
+  const std::size_t count = b.num_slopes;
+  std::fill_n(square, count * count, 0.0);
+  for (std::size_t r = 0; r < b.rows; ++r) {
+    const double* g = b.slopes + r * count;
+    for (std::size_t i = 0; i < count; ++i) add_scaled(weight[r] * g[i], g, count, square + i * count);
+  }
+  for (std::size_t i = 0; i < b.num_weights; ++i)
+    for (std::size_t k = 0; k < b.num_weights; ++k) {
+      if (b.columns[k] < 0 || b.columns[i] < b.columns[k]) continue;
+      const double factor = b.weights[i] * b.weights[k];
+      for (std::size_t j = 0; j < count; ++j)
+        add_scaled(factor, square + j * count, i == k ? j + 1 : count,
+                   &matrix.at(static_cast<int>(b.columns[i] + j), static_cast<int>(b.columns[k])));
     }
-    for (std::size_t i = 0; i < b.num_weights; ++i)
-      for (std::size_t k = 0; k < b.num_weights; ++k) {
-        if (b.columns[k] < 0 || b.columns[i] < b.columns[k]) continue;
-        const double factor = b.weights[i] * b.weights[k];
-        for (std::size_t j = 0; j < count; ++j) {
-          double* to = &matrix.at(static_cast<int>(b.columns[i] + j), static_cast<int>(b.columns[k]));
-          if (i == k)
-            add_scaled(factor, square + j * count, j + 1, to);
-          else
-            add_scaled(factor, square + j * count, count, to);
-        }
-      }
-  });
+}
+
+// Of a row of a square, 1 up to the diagonal and 0 above it.
+constexpr auto not_above = [] {
+  std::array<std::array<double, num_lanes>, num_lanes> ones{};
+  for (std::size_t i = 0; i < num_lanes; ++i)
+    for (std::size_t k = 0; k <= i; ++k) ones[i][k] = 1;
+  return ones;
+}();
+
+// The same for at most as many slopes as there are lanes, with zeros behind them: room is needed behind x and rows of
+// the matrix, to which zeros are added.
+WAYPROOF_MULTIVERSION
+void lanes_times(const Rows& b, const double* x, double* y) {
+  Lanes sum = {};
+  for (std::size_t i = 0; i < b.num_weights; ++i)
+    if (b.columns[i] >= 0) sum += b.weights[i] * load(x + b.columns[i]);
+  for (std::size_t r = 0; r < b.rows; ++r) y[r] = sum_of(load(b.slopes + r * num_lanes) * sum);
+}
+
+WAYPROOF_MULTIVERSION
+void add_transposed_lanes(const Rows& b, const double* y, double scale, double* x) {
+  Lanes sum = {};
+  for (std::size_t r = 0; r < b.rows; ++r) sum += (scale * y[r]) * load(b.slopes + r * num_lanes);
+  for (std::size_t i = 0; i < b.num_weights; ++i)
+    if (b.columns[i] >= 0) add_to(x + b.columns[i], b.weights[i] * sum);
+}
+
+WAYPROOF_MULTIVERSION
+void add_lane_squares(const Rows& b, const double* weight, Skyline& matrix) {
+  Lanes square[num_lanes] = {}, lower[num_lanes];
+  for (std::size_t r = 0; r < b.rows; ++r) {
+    const double* g = b.slopes + r * num_lanes;
+    const Lanes all = load(g);
+    for (std::size_t i = 0; i < num_lanes; ++i) square[i] += (weight[r] * g[i]) * all;
+  }
+  for (std::size_t i = 0; i < num_lanes; ++i) lower[i] = load(not_above[i].data()) * square[i];
+  for (std::size_t i = 0; i < b.num_weights; ++i)
+    for (std::size_t k = 0; k < b.num_weights; ++k) {
+      if (b.columns[k] < 0 || b.columns[i] < b.columns[k]) continue;
+      const double factor = b.weights[i] * b.weights[k];
+      for (std::size_t j = 0; j < b.num_slopes; ++j)
+        add_to(&matrix.at(static_cast<int>(b.columns[i] + j), static_cast<int>(b.columns[k])),
+               factor * (i == k ? lower[j] : square[j]));
+    }
 }
 
 }  // namespace
 
 ProductBlocks::ProductBlocks(const ProductRows& rows)
-    : p_(rows), sum_(p_.num_slopes), square_(p_.num_slopes * p_.num_slopes) {
+    : p_(rows), in_lanes_(p_.num_slopes <= num_lanes), sum_(p_.num_slopes), square_(p_.num_slopes * p_.num_slopes) {
+  if (in_lanes_) {
+    padded_.resize(p_.rows() * num_lanes);
+    for (std::size_t k = 0; k < p_.rows(); ++k)
+      std::copy_n(&p_.slopes[k * p_.num_slopes], p_.num_slopes, &padded_[k * num_lanes]);
+  }
   for (std::size_t k = 0; k < p_.rows(); ++k) {
     if (blocks_.empty() || !same(blocks_.back().begin, k)) blocks_.push_back({k, k});
     blocks_.back().end = k + 1;
@@ -112,25 +131,43 @@ void ProductBlocks::widen(std::vector<int>& first) const {
   }
 }
 
-void ProductBlocks::times(const double* x, double* y) {
-  for (const Block& b : blocks_)
-    rows_times(Rows{columns_of(b.begin), weights_of(b.begin), slopes_of(b.begin), p_.num_weights, p_.num_slopes,
-                    b.end - b.begin},
-               x, sum_.data(), y + b.begin);
+ProductBlocks::Rows ProductBlocks::rows_of(const Block& b) const {
+  const double* slopes = in_lanes_ ? &padded_[b.begin * num_lanes] : &p_.slopes[b.begin * p_.num_slopes];
+  return {columns_of(b.begin), weights_of(b.begin), slopes, p_.num_weights, p_.num_slopes, b.end - b.begin};
 }
 
-void ProductBlocks::add_transposed(const double* y, double scale, double* x) {
-  for (const Block& b : blocks_)
-    add_transposed_rows(Rows{columns_of(b.begin), weights_of(b.begin), slopes_of(b.begin), p_.num_weights,
-                             p_.num_slopes, b.end - b.begin},
-                        y + b.begin, scale, sum_.data(), x);
+void ProductBlocks::times(const std::vector<double>& x, double* y) {
+  if (blocks_.empty()) return;
+  variables_.resize(x.size() + num_lanes);
+  std::copy(x.begin(), x.end(), variables_.begin());
+  for (const Block& b : blocks_) {
+    if (in_lanes_)
+      lanes_times(rows_of(b), variables_.data(), y + b.begin);
+    else
+      rows_times(rows_of(b), x.data(), sum_.data(), y + b.begin);
+  }
+}
+
+void ProductBlocks::add_transposed(const double* y, double scale, std::vector<double>& x) {
+  if (blocks_.empty()) return;
+  variables_.resize(x.size() + num_lanes);
+  std::copy(x.begin(), x.end(), variables_.begin());
+  for (const Block& b : blocks_) {
+    if (in_lanes_)
+      add_transposed_lanes(rows_of(b), y + b.begin, scale, variables_.data());
+    else
+      add_transposed_rows(rows_of(b), y + b.begin, scale, sum_.data(), variables_.data());
+  }
+  std::copy_n(variables_.begin(), x.size(), x.begin());
 }
 
 void ProductBlocks::add_squares(const double* weight, Skyline& matrix) {
-  for (const Block& b : blocks_)
-    add_row_squares(Rows{columns_of(b.begin), weights_of(b.begin), slopes_of(b.begin), p_.num_weights, p_.num_slopes,
-                         b.end - b.begin},
-                    weight + b.begin, square_.data(), matrix);
+  for (const Block& b : blocks_) {
+    if (in_lanes_)
+      add_lane_squares(rows_of(b), weight + b.begin, matrix);
+    else
+      add_row_squares(rows_of(b), weight + b.begin, square_.data(), matrix);
+  }
 }
 
 }  // namespace wayproof

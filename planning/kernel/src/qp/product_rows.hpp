@@ -23,14 +23,21 @@ struct ProductRows {
 
 class ProductBlocks {
  public:
+  // A block: rows with the same columns and weights.
+  struct Rows {
+    const std::int64_t* columns;
+    const double *weights, *slopes;
+    std::size_t num_weights, num_slopes, rows;
+  };
+
   // The rows must outlive this.
   explicit ProductBlocks(const ProductRows& rows);
 
   // Lowers the first column of every row of A' A.
   void widen(std::vector<int>& first) const;
   // y = A x, and x += scale A' y, y of these rows alone.
-  void times(const double* x, double* y);
-  void add_transposed(const double* y, double scale, double* x);
+  void times(const std::vector<double>& x, double* y);
+  void add_transposed(const double* y, double scale, std::vector<double>& x);
   // matrix += A' diag(weight) A.
   void add_squares(const double* weight, Skyline& matrix);
 
@@ -41,12 +48,14 @@ class ProductBlocks {
 
   const std::int64_t* columns_of(std::size_t row) const { return &p_.columns[row * p_.num_weights]; }
   const double* weights_of(std::size_t row) const { return &p_.weights[row * p_.num_weights]; }
-  const double* slopes_of(std::size_t row) const { return &p_.slopes[row * p_.num_slopes]; }
+  Rows rows_of(const Block& block) const;
   bool same(std::size_t a, std::size_t b) const;
 
   const ProductRows& p_;
   std::vector<Block> blocks_;
-  std::vector<double> sum_, square_;
+  bool in_lanes_;
+  std::vector<double> padded_;                    // slopes, with zeros behind those of a row to fill all lanes
+  std::vector<double> sum_, square_, variables_;  // what is computed in
 };
 
 }  // namespace wayproof

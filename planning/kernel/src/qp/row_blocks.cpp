@@ -42,7 +42,11 @@ void add_rows(const double* values, int rows, int width, const double* weight, d
 }  // namespace
 
 RowBlocks::RowBlocks(const PenaltyQp& program)
-    : p_(program), num_sparse_(p_.starts.size() - 1), products_(p_.products) {
+    : p_(program),
+      num_sparse_(p_.starts.size() - 1),
+      num_before_products_(num_sparse_ + p_.lanes.rows),
+      lanes_(p_.lanes),
+      products_(p_.products) {
   for (std::size_t k = 0; k < num_sparse_; ++k) {
     if (blocks_.empty() || !same(blocks_.back().begin, k))
       blocks_.push_back({k, 0, static_cast<int>(p_.starts[k + 1] - p_.starts[k])});
@@ -70,6 +74,7 @@ Skyline RowBlocks::normal_matrix() const {
     const int low = static_cast<int>(*std::min_element(columns, columns + b.width));
     for (int i = 0; i < b.width; ++i) first[columns[i]] = std::min(first[columns[i]], low);
   }
+  lanes_.widen(first);
   products_.widen(first);
   return Skyline(std::move(first));
 }
@@ -85,7 +90,8 @@ void RowBlocks::times(const std::vector<double>& x, std::vector<double>& y) {
     for (int i = 0; i < b.width; ++i) local_[i] = x[columns[i]];
     rows_times(values_of(b), b.rows, b.width, local_.data(), &y[b.begin]);
   }
-  products_.times(x.data(), y.data() + num_sparse_);
+  lanes_.times(x, y.data() + num_sparse_);
+  products_.times(x, y.data() + num_before_products_);
 }
 
 void RowBlocks::add_transposed(const std::vector<double>& y, double scale, std::vector<double>& x) {
@@ -99,7 +105,8 @@ void RowBlocks::add_transposed(const std::vector<double>& y, double scale, std::
     const std::int64_t* columns = columns_of(b);
     for (int i = 0; i < b.width; ++i) x[columns[i]] += scale * local_[i];
   }
-  products_.add_transposed(y.data() + num_sparse_, scale, x.data());
+  lanes_.add_transposed(y.data() + num_sparse_, scale, x);
+  products_.add_transposed(y.data() + num_before_products_, scale, x);
 }
 
 void RowBlocks::add_squares(const std::vector<double>& weight, Skyline& matrix) {
@@ -117,7 +124,8 @@ void RowBlocks::add_squares(const std::vector<double>& weight, Skyline& matrix) 
         matrix.at(static_cast<int>(high), static_cast<int>(low)) += square_[static_cast<std::size_t>(i) * b.width + j];
       }
   }
-  products_.add_squares(weight.data() + num_sparse_, matrix);
+  lanes_.add_squares(weight.data() + num_sparse_, matrix);
+  products_.add_squares(weight.data() + num_before_products_, matrix);
 }
 
 bool RowBlocks::same(std::size_t a, std::size_t b) const {

@@ -41,7 +41,8 @@ class RowBlocks {
   std::vector<Block> blocks_;
   std::vector<DenseBlock> dense_;
   std::vector<double> local_, square_;
-  std::size_t num_sparse_;
+  std::size_t num_sparse_, num_before_products_;
+  LaneBlocks lanes_;
   ProductBlocks products_;
 };
 

@@ -1,6 +1,7 @@
 #include "refine/convex_step.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -22,76 +23,97 @@ struct Around {
   const CurveRates rates;
   PenaltyQp& program;
 
-  // Appends the columns and values of four control points and of b at both ends of an interval, scaled.
-  void add(std::size_t interval, std::size_t coordinate, const double* by_point, double by_low, double by_high,
-           double scale, double least) {
-    const std::size_t nq = bounds.coordinates();
-    const auto first = static_cast<std::size_t>(grid.first_point[interval]);
-    for (std::size_t k = 0; k < four; ++k) entry(columns.points[(first + k) * nq + coordinate], scale * by_point[k]);
-    entry(columns.path_velocity[interval], scale * by_low);
-    entry(columns.path_velocity[interval + 1], scale * by_high);
-    end_row(least, weights.rate_price);
+  // Values of four points and of b at both ends of the interval, and the least that they are to add up to.
+  struct Row {
+    std::array<double, LaneRows::num_values> values{};
+    double least = 0;
+  };
+
+  // The rows of an interval, for up to eight coordinates from one on.
+  void add_rows(std::size_t interval, std::size_t first) {
+    const std::size_t nq = bounds.coordinates(), begin = program.lanes.lines.size();
+    const std::size_t lanes = std::min(num_lanes, nq - first);
+    for (std::size_t end = 0; end < 2; ++end)
+      add_line(first, lanes, [&](std::size_t j, Row& row) { return acceleration_row(interval, end, j, row); });
+    if (interval > 0) add_line(first, lanes, [&](std::size_t j, Row& row) { return velocity_row(interval, j, row); });
+    for (std::size_t end = 0; end < 2 && !bounds.jerk.empty(); ++end)
+      add_line(first, lanes, [&](std::size_t j, Row& row) { return jerk_row(interval, end, j, row); });
+    if (program.lanes.lines.size() == begin) return;
+    LaneRows::Group group{{},    columns.path_velocity[interval], columns.path_velocity[interval + 1], lanes,
+                          begin, program.lanes.lines.size()};
+    for (std::size_t k = 0; k < four; ++k) {
+      const auto point = static_cast<std::size_t>(grid.first_point[interval]) + k;
+      group.points[k] = columns.points[point * nq + first];
+    }
+    program.lanes.groups.push_back(group);
+    erase_absent(group);
   }
 
-  void entry(std::int64_t column, double value) {
-    if (column >= 0) program.columns.push_back(column), program.values.push_back(value);
+  template <class RowOf>
+  void add_line(std::size_t first, std::size_t lanes, const RowOf& row_of) {
+    LaneRows::Line line;
+    for (std::size_t l = 0; l < lanes; ++l) {
+      Row row;
+      if (!row_of(first + l, row)) continue;
+      for (std::size_t k = 0; k < row.values.size(); ++k) line.values[k * num_lanes + l] = row.values[k];
+      line.taken |= 1U << l;
+      ++program.lanes.rows;
+      program.least.push_back(row.least), program.price.push_back(weights.rate_price);
+    }
+    if (line.taken) program.lanes.lines.push_back(line);
   }
 
-  void end_row(double least, double price) {
-    program.starts.push_back(static_cast<std::int64_t>(program.columns.size()));
-    program.least.push_back(least), program.price.push_back(price);
-  }
-
-  // r'' b + r' u between both bounds.
-  void acceleration_rows(std::size_t i) {
-    const double u = (b[i + 1] - b[i]) / (2 * grid.step);
-    for (std::size_t j = 0; j < bounds.coordinates(); ++j)
-      for (std::size_t end = 0; end < 2; ++end) {
-        const std::size_t k = (2 * i + end) * bounds.coordinates() + j, w = (2 * i + end) * four;
-        const double current = rates.acceleration(i, end, j, b[i + end], u);
-        const double at_high = current / bounds.highest[j] - 1, at_low = current / bounds.lowest[j] - 1;
-        const bool has_high = at_high > weights.least_acceleration - 1,
-                   has_low = at_low > weights.least_acceleration - 1;
-        if (!has_high && !has_low) continue;
-        const double unit = box.radii[j] / bounds.acceleration[j], slope = rates.first[k] / (2 * grid.step);
-        double by_point[four];
-        for (std::size_t p = 0; p < four; ++p)
-          by_point[p] = (grid.second[w + p] * b[i + end] + grid.first[w + p] * u) * unit;
-        const double by_low = (end ? -slope : rates.second[k] - slope) * b[i];
-        const double by_high = (end ? rates.second[k] + slope : slope) * b[i + 1];
-        if (has_high) add(i, j, by_point, by_low, by_high, -1 / bounds.highest[j], at_high);
-        if (has_low) add(i, j, by_point, by_low, by_high, -1 / bounds.lowest[j], at_low);
-      }
-  }
-
-  // |r'| sqrt(b) at the low end of every interval but the first.
-  void velocity_rows(std::size_t i) {
-    const double root = std::sqrt(b[i]);
-    for (std::size_t j = 0; j < bounds.coordinates(); ++j) {
-      const double current = rates.by_velocity[i * bounds.coordinates() + j] * root, size = std::abs(current);
-      if (!(size > weights.least_speed)) continue;
-      const double unit = std::copysign(box.radii[j] / bounds.velocity[j], current) * root;
-      const double* first = &grid.first[2 * i * four];
-      const auto begin = static_cast<std::size_t>(grid.first_point[i]);
+  // What has no column has no value.
+  void erase_absent(const LaneRows::Group& group) {
+    for (std::size_t i = group.begin; i < group.end; ++i) {
+      const auto erase = [&](std::size_t k) {
+        std::fill_n(&program.lanes.lines[i].values[k * num_lanes], num_lanes, 0.0);
+      };
       for (std::size_t k = 0; k < four; ++k)
-        entry(columns.points[(begin + k) * bounds.coordinates() + j], -first[k] * unit);
-      entry(columns.path_velocity[i], -size / 2);
-      end_row(size - 1, weights.rate_price);
+        if (group.points[k] < 0) erase(k);
+      if (group.low < 0) erase(LaneRows::low);
+      if (group.high < 0) erase(LaneRows::high);
     }
   }
 
-  // |r'''| b^(3/2) at both ends.
-  void jerk_rows(std::size_t i) {
-    for (std::size_t j = 0; j < bounds.coordinates(); ++j)
-      for (std::size_t end = 0; end < 2; ++end) {
-        const double cubed = b[i + end] * std::sqrt(b[i + end]);
-        const double current = rates.third[i * bounds.coordinates() + j] * cubed, size = std::abs(current);
-        if (!(size > weights.least_speed)) continue;
-        const double unit = std::copysign(box.radii[j] / bounds.jerk[j], current) * cubed;
-        double by_point[four];
-        for (std::size_t p = 0; p < four; ++p) by_point[p] = grid.third[i * four + p] * unit;
-        add(i, j, by_point, end ? 0 : 1.5 * size, end ? 1.5 * size : 0, -1, size - 1);
-      }
+  // r'' b + r' u between both bounds, of which it can only be near one.
+  bool acceleration_row(std::size_t i, std::size_t end, std::size_t j, Row& row) const {
+    const double u = (b[i + 1] - b[i]) / (2 * grid.step);
+    const std::size_t k = (2 * i + end) * bounds.coordinates() + j, w = (2 * i + end) * four;
+    const double current = rates.acceleration(i, end, j, b[i + end], u);
+    const double bound = current > 0 ? bounds.highest[j] : bounds.lowest[j];
+    row.least = current / bound - 1;
+    if (!(row.least > weights.least_acceleration - 1)) return false;
+    const double unit = box.radii[j] / bounds.acceleration[j], slope = rates.first[k] / (2 * grid.step);
+    for (std::size_t p = 0; p < four; ++p)
+      row.values[p] = -(grid.second[w + p] * b[i + end] + grid.first[w + p] * u) * unit / bound;
+    row.values[LaneRows::low] = -(end ? -slope : rates.second[k] - slope) * b[i] / bound;
+    row.values[LaneRows::high] = -(end ? rates.second[k] + slope : slope) * b[i + 1] / bound;
+    return true;
+  }
+
+  // |r'| sqrt(b) at the low end.
+  bool velocity_row(std::size_t i, std::size_t j, Row& row) const {
+    const double root = std::sqrt(b[i]);
+    const double current = rates.by_velocity[i * bounds.coordinates() + j] * root, size = std::abs(current);
+    if (!(size > weights.least_speed)) return false;
+    const double unit = std::copysign(box.radii[j] / bounds.velocity[j], current) * root;
+    for (std::size_t p = 0; p < four; ++p) row.values[p] = -grid.first[2 * i * four + p] * unit;
+    row.values[LaneRows::low] = -size / 2;
+    row.least = size - 1;
+    return true;
+  }
+
+  // |r'''| b^(3/2) at an end.
+  bool jerk_row(std::size_t i, std::size_t end, std::size_t j, Row& row) const {
+    const double cubed = b[i + end] * std::sqrt(b[i + end]);
+    const double current = rates.third[i * bounds.coordinates() + j] * cubed, size = std::abs(current);
+    if (!(size > weights.least_speed)) return false;
+    const double unit = std::copysign(box.radii[j] / bounds.jerk[j], current) * cubed;
+    for (std::size_t p = 0; p < four; ++p) row.values[p] = -grid.third[i * four + p] * unit;
+    row.values[end ? LaneRows::high : LaneRows::low] = -1.5 * size;
+    row.least = size - 1;
+    return true;
   }
 };
 
@@ -163,10 +185,9 @@ PenaltyQp program_of(const CurveGrid& grid, const RateBounds& bounds, const Curv
   program.starts.push_back(0);
   set_cost_and_box(grid, columns, weights, box, points, b, program);
   Around around{grid, bounds, columns, weights, box, b, rates_of(grid, bounds, points), program};
-  for (std::size_t i = 0; i < grid.intervals(); ++i) around.acceleration_rows(i);
-  for (std::size_t i = 1; i < grid.intervals(); ++i) around.velocity_rows(i);
-  for (std::size_t i = 0; i < grid.intervals() && !bounds.jerk.empty(); ++i) around.jerk_rows(i);
   add_more(more, program);
+  for (std::size_t i = 0; i < grid.intervals(); ++i)
+    for (std::size_t j = 0; j < bounds.coordinates(); j += num_lanes) around.add_rows(i, j);
   add_distances(columns, box, margins, takes_part, program);
   return program;
 }

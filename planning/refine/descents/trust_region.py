@@ -9,7 +9,7 @@ from typing import Protocol
 
 # Half of the box's side, as the time to cross it at the velocity limit [s]: first and largest.
 _INITIAL_RADIUS, _MAX_RADIUS = 0.1, 0.4
-_SHRINK_FACTOR, _GROW_FACTOR = 0.4, 2.0
+_SHRINK_FACTOR, _GROW_FACTOR = 0.4, 1.5
 # Shares of the predicted decrease that must be achieved: to accept a step, not to shrink the box,
 # to grow it.
 _ACCEPT_RATIO, _SHRINK_RATIO, _GROW_RATIO = 0.1, 0.25, 0.7

@@ -1,0 +1,1 @@
+"""Local optimizations of curves: trust regions, audited descents, and the best of several."""
