@@ -1,4 +1,4 @@
-"""Descent: one local optimization of a curve from a guess, which can be paused and resumed."""
+"""Descent: one local optimization of a curve from a guess."""
 
 from typing import Protocol, runtime_checkable
 
@@ -52,10 +52,8 @@ class Descent:
         self._problem = problem
         self._model = model
         self._trust_region = TrustRegion(model, model.evaluate(guess))
-        self._curves = self._trust_region.run(MAX_STEPS)
         self._merits: list[float] = []
         self._num_rejected = 0
-        self._is_finished = False
         self.best: CurveEvaluation | None = None
         self.reason = "the deadline passed during refinement"
 
@@ -64,22 +62,20 @@ class Descent:
         """Number of trust-region steps so far."""
         return self._trust_region.num_steps
 
-    def advance(self, num_steps: int = MAX_STEPS, to_beat: float = np.inf) -> None:
-        """Go on until there were so many steps in all, or the descent is finished.
+    def advance(self, to_beat: float = np.inf) -> None:
+        """Go on until the descent is finished.
 
         Args:
-            num_steps: Number of steps; after those that are rejected the next curve is awaited.
             to_beat: Objective of another curve; a descent that goes on to the last step at its
                 present rate, and is still above that, is finished.
         """
-        while not self._is_finished and self.num_steps < num_steps:
-            evaluation = next(self._curves, None)
-            self._is_finished = (
-                evaluation is None
-                or self._accepts_no_more(evaluation)
+        for evaluation in self._trust_region.run(MAX_STEPS):
+            if (
+                self._accepts_no_more(evaluation)
                 or self._problem.is_over
                 or self._is_hopeless(to_beat)
-            )
+            ):
+                return
 
     def _accepts_no_more(self, evaluation: CurveEvaluation) -> bool:
         """Audit a better curve, and return whether the descent ends with it."""

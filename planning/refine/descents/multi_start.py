@@ -8,7 +8,6 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array
 from planning.refine.curves.bspline_basis import greville_abscissae
 from planning.refine.curves.curve_evaluation import CurveEvaluation
-from planning.refine.descents.descent import MAX_STEPS, Descent
 from planning.refine.refine_problem import RefineProblem
 from planning.refine.zone_detour import ZoneDetour
 from planning.world.world import World
@@ -16,8 +15,6 @@ from planning.world.world import World
 # Tolerances of the initial guesses to the path [rad or m]; the second is used if the first led to
 # no free curve.
 _FIT_TOLERANCES = (0.15, 0.04)
-# Steps of a slow descent, and of one from another guess, after which they are compared.
-NUM_FIRST_STEPS, NUM_SECOND_STEPS = 12, 15
 
 
 @dataclass(frozen=True)
@@ -43,14 +40,8 @@ class MultiStartResult:
     ) -> "MultiStartResult":
         """Return the result after one more whole descent, from another guess."""
         descent = problem.descent(guess)
-        descent.advance(to_beat=np.inf if self.best is None else self.best.objective)
-        return self.better_of(problem, descent, descent.num_steps)
-
-    def better_of(
-        self, problem: RefineProblem, descent: Descent, num_more_steps: int
-    ) -> "MultiStartResult":
-        """Return the result after more steps of a descent."""
-        num_steps, candidate = self.num_steps + num_more_steps, descent.best
+        descent.advance(np.inf if self.best is None else self.best.objective)
+        num_steps, candidate = self.num_steps + descent.num_steps, descent.best
         if self.best is None or (
             candidate is not None and candidate.objective < self.best.objective
         ):
@@ -70,46 +61,14 @@ def solve_multi_start(world: World, problem: RefineProblem) -> MultiStartResult:
     result = MultiStartResult(problem, guess, reason="the deadline passed during refinement")
     if problem.deadline.is_over:
         return result
-    descent = problem.descent(guess)
-    descent.advance(NUM_FIRST_STEPS if _shows_early(problem) else MAX_STEPS)
-    is_paused = descent.best is not None and problem.needs_another_start(descent.best)
-    is_compared = is_paused and _shows_early(problem)
-    if is_compared and descent.best is not None:
-        guess = _halfway_to_straight_line(descent.best.points)
-        result = _better_finished(result, problem, descent, guess)
-    else:
-        descent.advance()
-        result = result.better_of(problem, descent, descent.num_steps)
+    result = result.optimized_from(problem, guess)
     if result.best is None and not problem.deadline.is_over:
         result = result.optimized_from(problem, problem.fit_path(_FIT_TOLERANCES[1]))
     result = _from_other_guesses(world, problem, result)
-    if not is_compared and result.best is not None and problem.needs_another_start(result.best):
+    if result.best is not None and problem.needs_another_start(result.best):
         guess = _halfway_to_straight_line(result.best.points)
         result = result.optimized_from(result.problem, guess)
     return result
-
-
-def _shows_early(problem: RefineProblem) -> bool:
-    """Return whether a few steps of two descents say which will end as the better one.
-
-    Under jerk limits they hardly do: curves become quicker by little, and for longer.
-    """
-    has_other_guesses = problem.chart.is_winding or problem.request.motion_limits.speed_zones
-    return problem.rate_bounds.jerk is None and not has_other_guesses
-
-
-def _better_finished(
-    result: MultiStartResult, problem: RefineProblem, first: Descent, guess: Array
-) -> MultiStartResult:
-    """Return the result of a paused descent and one from another guess; the better is finished."""
-    second = problem.descent(guess)
-    second.advance(NUM_SECOND_STEPS, np.inf if first.best is None else first.best.objective)
-    result = result.better_of(problem, first, first.num_steps)
-    result = result.better_of(problem, second, second.num_steps)
-    better = second if result.best is second.best else first
-    num_before = better.num_steps
-    better.advance()
-    return result.better_of(problem, better, better.num_steps - num_before)
 
 
 def _from_other_guesses(
