@@ -63,7 +63,7 @@ class JobSpec:
 
     Attributes:
         queue: Which workers may run it.
-        task: Importable function, `module:function`, called with the payload and a channel.
+        task: Its name.
         payload: JSON-compatible, or JSON already; `cancel_grace` in it stands for the queue's [s].
         prefix: Of the job's id.
         scene: Id of the scene it is about, for listing.

@@ -12,7 +12,7 @@ from datetime import UTC, datetime, timedelta
 from functools import partial
 from typing import TYPE_CHECKING
 
-from anyio import to_thread
+from anyio import CapacityLimiter, to_thread
 from sqlalchemy import Connection
 from sqlalchemy.exc import SQLAlchemyError
 
@@ -77,6 +77,7 @@ class WebhookDelivery:
         self._asked = asyncio.Event()
         self._loop = asyncio.get_running_loop()
         self._sending: dict[str, asyncio.Task[None]] = {}
+        self._turn = CapacityLimiter(1)
 
     def note(self, connection: Connection, event: LoggedEvent) -> None:
         """Have webhooks be told of an event, in the transaction of its record; from any thread."""
@@ -105,11 +106,18 @@ class WebhookDelivery:
         self._asked.clear()
         await asyncio.sleep(_PAUSE)
 
+    async def _ask[*Ts, T](self, question: Callable[[*Ts], T], *given: *Ts) -> T:
+        """Ask the database, one question after another, however many webhooks there are.
+
+        Where one writes at a time, many that wait for their turn keep jobs waiting as well.
+        """
+        return await to_thread.run_sync(question, *given, limiter=self._turn)
+
     async def _send_due(self) -> None:
-        await to_thread.run_sync(self._store.refresh)
+        await self._ask(self._store.refresh)
         if not self._store.is_needed:
             return
-        for webhook in await to_thread.run_sync(self._store.waiting, self._clock()):
+        for webhook in await self._ask(self._store.waiting, self._clock()):
             if webhook.id not in self._sending:
                 task = self._loop.create_task(self._serve(webhook))
                 self._sending[webhook.id] = task
@@ -128,7 +136,7 @@ class WebhookDelivery:
         async with httpx.AsyncClient(trust_env=False, timeout=_TIMEOUT) as client:
             while True:
                 claim = partial(self._store.claim, webhook.id, self._clock(), _LEASE, _AT_ONCE)
-                claimed = await to_thread.run_sync(claim)
+                claimed = await self._ask(claim)
                 if not claimed:
                     return
                 sends = (self._deliver(client, webhook, *each) for each in claimed)
@@ -147,11 +155,11 @@ class WebhookDelivery:
         if message is not None:
             status, reason = await self._send(client, webhook, message)
         if not reason:
-            await to_thread.run_sync(self._store.settle, notice)
+            await self._ask(self._store.settle, notice)
             if message is not None:
-                await to_thread.run_sync(self._store.note_success, webhook)
+                await self._ask(self._store.note_success, webhook)
             return True
-        await to_thread.run_sync(self._note_failure, webhook, notice, status, reason)
+        await self._ask(self._note_failure, webhook, notice, status, reason)
         return False
 
     async def _send(

@@ -342,6 +342,34 @@ def test_a_name_that_leads_nowhere_is_a_failure_like_any_other(engine, jobs, web
     assert left(engine) == 1
 
 
+def test_however_many_fail_they_write_one_after_another(engine, jobs, webhooks, monkeypatch):
+    writing, most = [], []
+
+    def counted(write):
+        def count(*given, **more):
+            writing.append(write)
+            most.append(len(writing))
+            try:
+                return write(*given, **more)
+            finally:
+                writing.remove(write)
+
+        return count
+
+    for name in ("claim", "note_failure", "postpone"):
+        monkeypatch.setattr(webhooks, name, counted(getattr(webhooks, name)))
+    hooks = [webhooks.add("http://nowhere.invalid/", FINISHED).id for _ in range(30)]
+
+    async def story():
+        async with delivering(jobs, webhooks, DeliveryTerms(delays=(3600.0,))):
+            for _ in range(3):
+                await to_thread.run_sync(finish, jobs)
+            await until_so(lambda: all(webhooks.get(hook).reason for hook in hooks))
+
+    asyncio.run(story())
+    assert max(most) == 1
+
+
 def test_what_is_deleted_meanwhile_is_not_told(engine, jobs, webhooks, target):
     webhooks.add(target.url, FINISHED)
     jobs.on_event = webhooks.note
