@@ -50,7 +50,7 @@ async def create_plan(  # noqa: PLR0913  (all that a request says)
     include: Include = None,
 ) -> Response:
     """Request a plan: a job that is polled, streamed or waited for."""
-    # FastAPI takes as long for one dependency as for all these parameters, and plans are waited for.
+    # FastAPI takes as long for a dependency as for all these parameters, and plans are waited for.
     submission = submission_of(http, response, wait, prefer, idempotency_key)
     left_out = left_out_of(include)
     job = await submit_plan(request, submission, scenes_of(http))
