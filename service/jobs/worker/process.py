@@ -111,11 +111,13 @@ class WorkerProcess:
         # If it is the forkserver that died, the process still runs: the lifeline ends it.
         self._lifeline.close()
         loop = asyncio.get_running_loop()
-        self.exit_code = await loop.run_in_executor(_PROCESSES, _joined, self._process)
-        self._writer.close()
-        with suppress(OSError):
-            await self._writer.wait_closed()
-        self.ended.set()
+        try:
+            self.exit_code = await loop.run_in_executor(_PROCESSES, _joined, self._process)
+            self._writer.close()
+            with suppress(OSError):
+                await self._writer.wait_closed()
+        finally:
+            self.ended.set()  # also for those who wait while a loop that failed cancels all
 
 
 async def _started(process: Any) -> None:

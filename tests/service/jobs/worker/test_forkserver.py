@@ -91,9 +91,10 @@ async def told():
     assert copy == own
     worker = await opened(TASKS)
     assert forkserver_pid() == first
-    pid = await pid_of(worker)
+    pid, generation = await pid_of(worker), worker.generation
     os.kill(first, signal.SIGKILL)
-    while is_alive(first) or is_alive(pid):
+    # Its end is heard of a moment after it: until then it is taken for ready.
+    while is_alive(first) or is_alive(pid) or worker.generation == generation:
         await asyncio.sleep(0.01)
     await worker.ready()
     assert forkserver_pid() != first and await pid_of(worker) != pid
@@ -104,6 +105,25 @@ if __name__ == "__main__":
     first = forkserver_pid()
     start_forkserver(TASKS, COMMON)
     assert forkserver_pid() == first
+"""
+# A loop that fails cancels all that runs in it, at whatever that is.
+IT_FAILS = """
+import time
+
+async def told():
+    worker = await opened(TASKS)
+    pid, joined = await pid_of(worker), process._joined
+
+    def slowly(ended):
+        time.sleep(1.0)
+        return joined(ended)
+
+    process._joined = slowly
+    os.kill(pid, signal.SIGKILL)
+    while is_alive(pid):
+        await asyncio.sleep(0.01)
+    await asyncio.sleep(0.2)
+    raise RuntimeError("on purpose")
 """
 # Its end is that of the last process which can ask it for another one, however that ends.
 IT_IS_LEFT = """
@@ -130,6 +150,12 @@ def test_a_bad_forkserver_is_replaced(story, tmp_path):
 def test_a_copy_ends_with_the_process_that_it_is_a_copy_of(tmp_path):
     ended = told(BEGIN + IT_IS_LEFT, tmp_path)
     until(lambda: not is_alive(int(ended.stdout)))
+
+
+def test_a_loop_that_fails_while_a_process_is_looked_after_ends(tmp_path):
+    ended = told(BEGIN + IT_FAILS + END, tmp_path)
+    assert "on purpose" in ended.stderr
+    assert not ended.stdout
 
 
 def told(story, tmp_path):
