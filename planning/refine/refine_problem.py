@@ -165,15 +165,6 @@ class RefineProblem:
         )
         return Descent(self, model, guess)
 
-    def optimize(self, guess: Array) -> tuple[CurveEvaluation | None, int, str]:
-        """Return the best free curve of a whole descent from a guess, or None.
-
-        Also the number of steps, and why the last curve was rejected.
-        """
-        descent = self.descent(guess)
-        descent.advance()
-        return descent.best, descent.num_steps, descent.reason
-
     def check_curve(self, evaluation: CurveEvaluation) -> tuple[str, Array]:
         """Return why a curve is rejected, or "", and the instants where it is in violation."""
         excess = 0.0 if evaluation.loads is None else evaluation.loads.excess

@@ -175,7 +175,9 @@ def test_a_path_that_must_wind_becomes_faster() -> None:
     limits = world.limits(path.group)
     request = RefineRequest(path, limits, world.margins(), RefineOptions("trajopt"))
     task = RefineProblem.of(world, request, no_hurry())
-    best, _, reason = task.optimize(task.fit_path(0.15))
+    descent = task.descent(task.fit_path(0.15))
+    descent.advance()
+    best, reason = descent.best, descent.reason
     assert best is not None, reason
     assert task.chart.is_winding
     refined, _ = retime(task.curve_of(best), limits, RetimeOptions())
