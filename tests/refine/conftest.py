@@ -12,6 +12,8 @@ from planning.domain.curves.curve import JointSpline
 from planning.domain.curves.path import JointPath
 from planning.domain.report.stage_reports import RefineReport
 from planning.domain.request.options import RefineOptions
+from planning.refine.descents.descent import Descent
+from planning.refine.refine_problem import RefineProblem
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
 from planning.world.documents.scene_file import parse_scene
@@ -77,6 +79,13 @@ def case_of(world: World, group: str, waypoints: np.ndarray, **changes: object) 
     fine = path.spline.positions(np.linspace(0, 1, 1001))
     assert case.are_free(fine).all(), "a path to refine must be free"
     return case
+
+
+def whole_descent(problem: RefineProblem) -> Descent:
+    """Return the descent from the problem's first guess, at its end."""
+    descent = problem.descent(problem.fit_path(0.15))
+    descent.advance()
+    return descent
 
 
 def puck_world(

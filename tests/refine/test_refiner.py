@@ -28,7 +28,7 @@ from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.loading.load_world import load_world
 from planning.world.world import World
 from tests.clocks import after_looks, no_hurry
-from tests.refine.conftest import Case, case_of
+from tests.refine.conftest import Case, case_of, whole_descent
 
 FINE = np.linspace(0, 1, 400)
 
@@ -127,8 +127,9 @@ def test_instants_that_the_audit_finds_are_added(make_puck):
     # Neither of the two first instants is near the wall.
     problem = replace(problem_of(case), sample_range=(2, 2))
     guess = problem.fit_path(0.15)
-    best, _, reason = problem.optimize(guess)
-    assert best is not None, reason
+    descent = whole_descent(problem)
+    best = descent.best
+    assert best is not None, descent.reason
     assert case.are_free(problem.curve_of(best).positions(np.linspace(0, 1, 5001))).all()
     # The same steps without more instants.
     model = CurveModel(
@@ -261,9 +262,9 @@ class Misled(RefineProblem):
 def test_a_nearer_guess_is_tried_where_the_first_leads_nowhere(thin_wall):
     problem = problem_of(thin_wall)
     misled = Misled(**{field.name: getattr(problem, field.name) for field in fields(problem)})
-    nowhere, _, reason = misled.optimize(misled.fit_path(0.15))
-    assert nowhere is None
-    assert "violates a collision margin" in reason
+    nowhere = whole_descent(misled)
+    assert nowhere.best is None
+    assert "violates a collision margin" in nowhere.reason
     found = solve_multi_start(thin_wall.world, misled)
     assert found.best is not None, found.reason
     assert thin_wall.are_free(problem.curve_of(found.best).positions(FINE)).all()

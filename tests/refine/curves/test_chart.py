@@ -26,6 +26,7 @@ from tests.certify.conftest import smallest_distance
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 from tests.profiles import num_cases
+from tests.refine.conftest import whole_descent
 
 AXIS = np.array([0.48, 0.6, 0.64])
 
@@ -175,10 +176,9 @@ def test_a_path_that_must_wind_becomes_faster() -> None:
     limits = world.limits(path.group)
     request = RefineRequest(path, limits, world.margins(), RefineOptions("trajopt"))
     task = RefineProblem.of(world, request, no_hurry())
-    descent = task.descent(task.fit_path(0.15))
-    descent.advance()
-    best, reason = descent.best, descent.reason
-    assert best is not None, reason
+    descent = whole_descent(task)
+    best = descent.best
+    assert best is not None, descent.reason
     assert task.chart.is_winding
     refined, _ = retime(task.curve_of(best), limits, RetimeOptions())
     rounded, _ = retime(blend_corners(path, 0.03, 1), limits, RetimeOptions())

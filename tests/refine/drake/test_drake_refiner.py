@@ -18,7 +18,7 @@ from planning.refine.refiner import refine
 from planning.world.mechanics.dynamics import GroupDynamics
 from tests.clocks import after_looks, no_hurry
 from tests.profiles import only_campaign
-from tests.refine.conftest import Case
+from tests.refine.conftest import Case, whole_descent
 
 
 def by_drake(case: Case, **options: object) -> Case:
@@ -96,7 +96,8 @@ def test_a_solution_keeps_the_margins_at_its_instants(thin_wall):
     objective = RefineObjective(smoothness=1.0, max_duration=4.0)
     bounds, cost = exact_rate_bounds(thin_wall.request, ()), MotionCost(objective, None, 24)
     program = DrakeProgram(MotionTask(problem, bounds, cost, 2), thin_wall.world.drake.plant)
-    best = problem.optimize(problem.fit_path(0.15))[0]
+    best = whole_descent(problem).best
+    assert best is not None
     guess = fit_motion(best.points, best.path_velocity, 24, 2)
     instants = np.linspace(0.05, 0.95, 150)
     solution = program.solve(guess, instants)

@@ -21,6 +21,7 @@ from planning.world.mechanics.dynamics import GroupDynamics
 from tests.clocks import no_hurry
 from tests.profiles import rng_of
 from tests.refine.arms import arm_of, bounds_under, curve_points, limits_of
+from tests.refine.conftest import whole_descent
 
 COUNT = 10
 OBJECTIVES = {
@@ -131,7 +132,8 @@ def test_rates_and_control_points_convert_into_each_other(order, points):
 
 def test_a_fitted_motion_has_the_duration_of_its_curve(pillar):
     problem = RefineProblem.of(pillar.world, pillar.request, no_hurry())
-    evaluation = problem.optimize(problem.fit_path(0.15))[0]
+    evaluation = whole_descent(problem).best
+    assert evaluation is not None
     motion = fit_motion(evaluation.points, evaluation.path_velocity, 24, 2)
     assert motion.duration == pytest.approx(evaluation.duration, rel=1e-9)
     curve, near = problem.curve_of(evaluation), problem.chart.curve(motion.points)
