@@ -248,10 +248,8 @@ class Attempt:
         if self._is_discarded or self._written_start is not None:
             return self._written_start
         store, identifier = self._recorder.store, self.job.id
-        # What the database forgot to have begun would be begun once more, and could not end.
-        is_durable = store.may_crash_alone
         start = partial(store.start, identifier)
-        return await self._recorder.apply(identifier, start, is_durable=is_durable)
+        return await self._recorder.apply(identifier, start, is_durable=False)
 
     def _on_start(self, start: asyncio.Task[Transition | None]) -> None:
         """Go on if the database took the start of a queued job, else end the run."""

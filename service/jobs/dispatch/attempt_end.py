@@ -118,8 +118,7 @@ class AttemptEnd:
 
     def _must_be_durable(self, summary: Any) -> bool:
         """Return whether a power cut must not take a result back, which would be made again."""
-        is_last = self.job.max_attempts == 1 or self.recorder.store.may_crash_alone
-        return is_last or not is_deterministic(summary)
+        return self.job.max_attempts == 1 or not is_deterministic(summary)
 
     def _keep_end(
         self, end: Transition | None, result: Encoded | None = None, summary: Any = None

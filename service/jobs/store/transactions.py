@@ -65,11 +65,6 @@ class Transactions(JobQueries):
         """Whether other servers may work on the database."""
         return self._engine.dialect.name == "postgresql"
 
-    @property
-    def may_crash_alone(self) -> bool:
-        """Whether the database may die while we live: then it forgets what was not durable."""
-        return self._engine.dialect.name != "sqlite"
-
     def set_epoch(self, epoch: int) -> None:
         """Write only as long as the owner of the database is the one of an epoch."""
         self._epoch = epoch
@@ -79,8 +74,8 @@ class Transactions(JobQueries):
         """Make what this thread writes meanwhile one transaction.
 
         Args:
-            is_durable: Whether it must survive a power cut. The death of the server it survives
-                in any case.
+            is_durable: Whether it must survive a power cut. The death of the server, and of the
+                database alone, it survives in any case.
 
         Raises:
             DatabaseTaken: The database has another owner; nothing was written.

@@ -13,6 +13,7 @@ from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
 from service.jobs.dispatch.scheduling.queue import JobQueue
 from service.jobs.errors import DatabaseInUse, DatabaseTaken, IdempotencyConflict
+from service.jobs.json_text import Encoded, encode
 from service.jobs.states import JobState
 from service.jobs.store.job_store import JobStore
 from service.jobs.store.sql.database import open_engine
@@ -58,6 +59,15 @@ async def serving(url, timeouts=None):
         await dispatcher.stop()
         engine.dispose()
         assert taken.is_set() is dispatcher.is_taken
+
+
+@contextmanager
+def closing_engine(url):
+    engine = open_engine(url)
+    try:
+        yield engine
+    finally:
+        engine.dispose()
 
 
 async def moves(dispatcher, folder):
@@ -133,6 +143,40 @@ def test_one_execution_of_a_scene_is_open_at_most(url):
     check_one_at_a_time(engines)
     for engine in engines:
         engine.dispose()
+
+
+@pytest.mark.parametrize("level", ["on", "off"])
+def test_what_was_told_outlives_the_end_of_the_database_alone(server, url, level):
+    with default_level(url, level), closing_engine(url) as engine:
+        store = JobStore(engine)
+        store.open()
+        job, _ = store.insert(spec("x"))
+        told = store.events(job.id)
+        started = store.start(job.id)
+        assert started is not None
+        told.append(started.event)
+        for place in range(5):
+            status = store.append_events(job.id, [("status", Encoded(encode({"place": place})))])
+            assert len(status) == 1
+            told += status
+            server.stop()
+            server.start()
+            assert store.events(job.id) == told
+
+
+@contextmanager
+def default_level(url, level):
+    """What connections are told to wait for, unless they say otherwise."""
+    change = "ALTER ROLE wp {} synchronous_commit{}".format
+    with closing_engine(url) as engine:
+        connection = engine.connect().execution_options(isolation_level="AUTOCOMMIT")
+        connection.exec_driver_sql(change("SET", f" = {level}"))
+        connection.close()
+    yield
+    with closing_engine(url) as engine:
+        connection = engine.connect().execution_options(isolation_level="AUTOCOMMIT")
+        connection.exec_driver_sql(change("RESET", ""))
+        connection.close()
 
 
 def test_a_restart_of_the_database_stops_nothing_and_lets_no_other_in(server, url, tmp_path):

@@ -26,6 +26,11 @@ _BUSY_TIMEOUT_MS = 5_000
 # A database that has vanished is noticed: seconds to connect, milliseconds to acknowledge (libpq).
 _IN_TIME = {"connect_timeout": 5, "tcp_user_timeout": 10_000}
 _LEVEL, _NOTES = "synchronous", "notes"
+# PostgreSQL's other levels all wait at least for its own disk.
+_COMMITS_WAIT = (
+    "SELECT set_config('synchronous_commit', 'on', false)"
+    " WHERE current_setting('synchronous_commit') = 'off'"
+)
 _OURS = (DataError, IntegrityError, NotSupportedError, ProgrammingError)
 
 
@@ -42,7 +47,9 @@ def is_of_database(fault: BaseException) -> bool:
 def open_engine(url: str) -> Engine:
     """Return an engine for any SQLAlchemy URL; what it commits survives a power cut.
 
-    SQLite runs in WAL mode: readers never wait for writers.
+    SQLite runs in WAL mode: readers never wait for writers. PostgreSQL may end while we live, and
+    then forgets what it has not written: a number of an event that was told would be given again.
+    So there each commit waits, whatever its user has others do.
     """
     is_remote = not url.startswith("sqlite")
     arguments = _IN_TIME if url.startswith("postgresql") else {}
@@ -60,6 +67,13 @@ def open_engine(url: str) -> Engine:
                 connection.execute(f"PRAGMA {pragma}").close()
 
         event.listen(engine, "connect", prepare)
+    if engine.dialect.name == "postgresql":
+
+        def wait_for_commits(connection: Any, _: Any) -> None:
+            connection.execute(_COMMITS_WAIT).close()
+            connection.commit()
+
+        event.listen(engine, "connect", wait_for_commits)
     return engine
 
 
@@ -125,23 +139,19 @@ def set_durability(connection: Connection, *, is_durable: bool) -> None:
     """Say whether the transaction that begins must survive a power cut, or only a crash of ours.
 
     Waiting for the disk takes milliseconds: what can be computed again need not wait. A later
-    durable transaction makes durable all that came before it.
+    durable transaction makes durable all that came before it. Only SQLite gives the choice: what
+    it has committed outlives us before the disk has it; for PostgreSQL see `open_engine`.
     """
-    match connection.dialect.name:
-        case "sqlite":
-            level = "FULL" if is_durable else "NORMAL"
-            # The level of a driver's connection is kept beside it.
-            if connection.info.get(_LEVEL) != level:
-                # By the driver itself: SQLAlchemy takes twenty times as long, for every answer.
-                cursor = connection.connection.cursor()
-                cursor.execute(f"PRAGMA synchronous={level}")
-                cursor.close()
-                connection.info[_LEVEL] = level
-        case "postgresql":
-            level = "on" if is_durable else "off"
-            connection.exec_driver_sql(f"SET LOCAL synchronous_commit = {level}")
-        case _:
-            pass
+    if connection.dialect.name != "sqlite":
+        return
+    level = "FULL" if is_durable else "NORMAL"
+    # The level of a driver's connection is kept beside it.
+    if connection.info.get(_LEVEL) != level:
+        # By the driver itself: SQLAlchemy takes twenty times as long, for every answer.
+        cursor = connection.connection.cursor()
+        cursor.execute(f"PRAGMA synchronous={level}")
+        cursor.close()
+        connection.info[_LEVEL] = level
 
 
 def begin_notes(connection: Connection) -> None:
