@@ -25,7 +25,7 @@ NUM_SEQUENCES = num_cases(2, 100)
 RULES = settings(
     deadline=None,
     database=None,
-    stateful_step_count=12 if PROFILE.is_campaign else 8,
+    stateful_step_count=20 if PROFILE.is_campaign else 8,
     phases=[Phase.generate],
     suppress_health_check=list(HealthCheck),
 )
@@ -39,23 +39,32 @@ ALWAYS = {
     "editScene": {"operations": [MOVE]},
 }
 READY = {"type": "configuration", "name": "ready"}
-# Of five bodies so many are as they were drawn, and so many have another goal.
-DRAWN, GOAL = 1, 3
+# Of five bodies the first are as they were drawn, the next ones say no more than they must.
+DRAWN, SHORTEST = 1, 3
 
 
 class Memory:
     """What one sequence has made.
 
     Attributes:
-        scene: Id of the scene that was made last.
-        plan: Id of the plan that was made last and succeeded.
+        scenes: Ids of scenes that were not deleted, in the order in which they were made, one at
+            least: then it may be deleted.
+        plans: Ids of plans that succeeded, in the same way.
         executions: Ids of all executions.
     """
 
     def __init__(self, scene, plan):
-        self.scene, self.plan = scene, plan
+        self.scenes, self.plans = [scene], [plan]
         self.executions = []
         self._turns = itertools.count()
+
+    @property
+    def scene(self):
+        return self.scenes[-1]
+
+    @property
+    def plan(self):
+        return self.plans[-1]
 
     def sensible(self, operation, body):
         """A body that is worth more, made of one that was drawn."""
@@ -70,9 +79,19 @@ class Memory:
             for name, value in body.items()
             if name != "revision"
         }
-        if operation == "createPlan" and turn < GOAL:
-            return {"scene": self.scene, "group": "arm", "goal": READY}
+        if turn < SHORTEST and operation in (shortest := self._shortest()):
+            return shortest[operation]
         return changed | self._short(operation, changed)
+
+    def _shortest(self):
+        """Bodies of what is made, with no more than is needed."""
+        plan = {"scene": self.scene, "group": "arm", "goal": READY}
+        return {
+            "createPlan": plan,
+            "createBatch": {"problems": [plan, plan]},
+            "createExecution": {"plan": self.plan, **ALWAYS["createExecution"]},
+            "growRegions": {"group": "arm", **ALWAYS["growRegions"]},
+        }
 
     def known(self, parameters):
         """Parameters of a path, most of those that nothing has as their id replaced."""
@@ -92,17 +111,23 @@ class Memory:
             return {"search": search | {"allowed_planning_time": 1.0, "attempts": 1}}
         return ALWAYS.get(operation, {})
 
-    def note(self, operation, answer):
-        """Remember what was made."""
-        if operation not in MAKES or answer.status_code >= 300:
+    def note(self, operation, parameters, answer):
+        """Remember what was made, and forget what was deleted."""
+        if answer.status_code >= 300:
+            return
+        deleted = {"deleteScene": ("scene", self.scenes), "deletePlan": ("plan", self.plans)}
+        if operation in deleted:
+            name, kept = deleted[operation]
+            kept[:] = [one for one in kept if one != parameters[name]] or kept[:1]
+        if operation not in MAKES:
             return
         made = answer.json()
         if operation == "createScene":
-            self.scene = made["id"]
+            self.scenes.append(made["id"])
         elif operation == "createExecution":
             self.executions.append(made["id"])
         elif made["state"] == "succeeded":
-            self.plan = made["id"]
+            self.plans.append(made["id"])
 
 
 def sequences(base, client, answers):
@@ -128,7 +153,7 @@ def sequences(base, client, answers):
         def call(self, case, **kwargs):
             answer = ask(client, case)
             answers.append((operation_of(case), answer.status_code))
-            self.memory.note(operation_of(case), answer)
+            self.memory.note(operation_of(case), case.path_parameters, answer)
             return Response.from_any(answer)
 
         def validate_response(self, response, case, **kwargs):

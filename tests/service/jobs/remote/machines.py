@@ -5,6 +5,7 @@ import os
 import secrets
 import shutil
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 
@@ -105,7 +106,9 @@ class Cluster:
         from ray._private import utils
         from ray.cluster_utils import Cluster as RayCluster
 
-        # Chaos adds nodes in a thread, where no handler can be set; `close` ends them all.
+        # Nodes end with the thread that started them (prctl(2), PR_SET_PDEATHSIG): it lives as long
+        # as the cluster. No handler can be set in it; `close` ends them all.
+        self._thread = ThreadPoolExecutor(1, "ray-nodes")
         utils.set_sigterm_handler = lambda _: None
         self._options = {"object_store_memory": 200_000_000}
         head = {"num_cpus": 0, "include_dashboard": False, **self._options}
@@ -125,7 +128,10 @@ class Cluster:
         return self.address.partition(":")[0]
 
     def add(self, count):
-        """Have so many nodes that may run hosts, at least."""
+        """Have so many nodes that may run hosts, at least; from any thread."""
+        self._thread.submit(self._add, count).result()
+
+    def _add(self, count):
         for _ in range(count - len(self._nodes)):
             # No machine sees the disk of another one.
             folder = tempfile.mkdtemp(prefix="wp-host-")
@@ -155,6 +161,7 @@ class Cluster:
 
         ray.shutdown()
         self._cluster.shutdown()
+        self._thread.shutdown()
         for folder in self._folders:
             shutil.rmtree(folder, ignore_errors=True)
 
