@@ -110,7 +110,7 @@ _TOLD = {
     }
 }
 _FILES = {
-    form.media_type: {"schema": {"type": "string", "format": "binary", "description": form.told}}
+    form.media_type: {"schema": {**form.schema, "description": form.told}}
     for form in FORMATS.values()
 }
 

@@ -1,14 +1,15 @@
 """Formats: which there are, what they are called on the web, and what they can hold."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Literal
+from types import MappingProxyType
+from typing import Any, Literal
 
 from planning.errors import ProblemInvalid
 from service.plans.exports.bag import to_bag
 from service.plans.exports.exported_motion import ExportedMotion
-from service.plans.exports.joint_trajectory import to_joint_trajectory
+from service.plans.exports.joint_trajectory import SCHEMA, to_joint_trajectory
 from service.plans.exports.numpy_arrays import to_arrays
 from service.plans.exports.recording import to_recording
 from service.plans.exports.urscript import to_urscript
@@ -20,6 +21,7 @@ _UR_JOINTS = 6
 _OF_ANY_JOINT = {"npz", "rerun"}
 # What the extra of a format's name brings.
 _MODULES = {"mcap": "mcap_ros2", "rerun": "rerun"}
+_BYTES: Mapping[str, Any] = MappingProxyType({"type": "string", "format": "binary"})
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,7 @@ class Format:
         media_type: Of the answer.
         write: Returns a motion as the bytes of a file.
         told: What it is, for the document.
+        schema: What is in it, as JSON schema; by default bytes.
         shows_scene: Whether the file has the scene too.
     """
 
@@ -37,6 +40,7 @@ class Format:
     write: Callable[[ExportedMotion], bytes]
     told: str
     shows_scene: bool = False
+    schema: Mapping[str, Any] = _BYTES
 
 
 FORMATS: dict[FormatName, Format] = {
@@ -44,6 +48,7 @@ FORMATS: dict[FormatName, Format] = {
         "application/vnd.ros2.joint-trajectory+json",
         lambda motion: to_joint_trajectory(motion.samples),
         "The JSON of a `trajectory_msgs/msg/JointTrajectory`",
+        schema=SCHEMA,
     ),
     "npz": Format(
         "application/x-npz",

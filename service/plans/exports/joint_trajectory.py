@@ -6,6 +6,38 @@ from typing import Any
 from service.plans.models.trajectory import Trajectory
 
 
+def _message(**fields: Any) -> dict[str, Any]:
+    """Return the JSON schema of a message with some fields, all of which it has."""
+    return {
+        "type": "object",
+        "properties": fields,
+        "required": list(fields),
+        "additionalProperties": False,
+    }
+
+
+def _array(items: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "array", "items": items}
+
+
+_INTEGER, _NUMBERS = {"type": "integer"}, _array({"type": "number"})
+_TIME = _message(sec=_INTEGER, nanosec=_INTEGER)
+# Of what `to_joint_trajectory` writes (JSON Schema 2020-12).
+SCHEMA = _message(
+    header=_message(stamp=_TIME, frame_id={"type": "string"}),
+    joint_names=_array({"type": "string"}),
+    points=_array(
+        _message(
+            positions=_NUMBERS,
+            velocities=_NUMBERS,
+            accelerations=_NUMBERS,
+            effort=_NUMBERS,
+            time_from_start=_TIME,
+        )
+    ),
+)
+
+
 def to_joint_trajectory(motion: Trajectory) -> bytes:
     """Return the message as JSON, as rosbridge and `ros2 topic pub` take it."""
     return json.dumps(joint_trajectory(motion)).encode()
