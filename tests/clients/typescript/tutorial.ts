@@ -74,7 +74,8 @@ const path = { plan: plan.id };
 const samples = given(
   await client.GET("/v1/plans/{plan}/trajectory", { params: { path, query: { period: 0.01 } } }),
 );
-if (typeof samples === "string") throw new Error("CSV, which was not asked for");
+// The formats' types differ: JSON is what was asked for.
+if (typeof samples === "string" || !("duration" in samples)) throw new Error("no JSON");
 const page = given(
   await client.GET("/v1/plans/{plan}/replay.html", { params: { path }, parseAs: "text" }),
 );
