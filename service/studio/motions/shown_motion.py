@@ -1,5 +1,6 @@
 """ShownMotion: the motion that is looked at, and that the robot can carry out."""
 
+import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -40,6 +41,8 @@ class ShownMotion:
         self._panel: MotionPanel | None = None
         self._folder: viser.GuiFolderHandle | None = None
         self._cell: Cell | None = None
+        # Motions beside it play it from another thread than the one that closes it.
+        self._lock = threading.RLock()
 
     @property
     def plan(self) -> str | None:
@@ -54,20 +57,24 @@ class ShownMotion:
             job: The plan, with its result.
             beside: Other motions of the scene, which move along.
         """
-        self.close()
-        cell.view.mark_pairs([], {})
-        motion = load_motion(cell.api, cell.scene.id, cell.group, job, cell.view.moving)
-        with self._place:
-            self._folder = self._gui.add_folder(_LABEL)
-        with self._folder:
-            self._panel = MotionPanel(self._gui, cell, motion, beside, self._offer, self._on_fault)
-        self._cell = cell
-        self._offer()
+        with self._lock:
+            self.close()
+            cell.view.mark_pairs([], {})
+            motion = load_motion(cell.api, cell.scene.id, cell.group, job, cell.view.moving)
+            with self._place:
+                self._folder = self._gui.add_folder(_LABEL)
+            with self._folder:
+                self._panel = MotionPanel(
+                    self._gui, cell, motion, beside, self._offer, self._on_fault
+                )
+            self._cell = cell
+            self._offer()
 
     def play_beside(self) -> None:
         """Play the motion with those that are beside it."""
-        if self._panel is not None:
-            self._panel.play_beside()
+        with self._lock:
+            if self._panel is not None:
+                self._panel.play_beside()
 
     def execute(self) -> None:
         """Carry the motion out; where the server refuses it, show when, and which bodies meet."""
@@ -111,11 +118,12 @@ class ShownMotion:
 
     def close(self) -> None:
         """Show no motion."""
-        if self._panel is not None:
-            self._panel.close()
-        if self._folder is not None:
-            self._folder.remove()
-        self._panel = self._folder = None
+        with self._lock:
+            if self._panel is not None:
+                self._panel.close()
+            if self._folder is not None:
+                self._folder.remove()
+            self._panel = self._folder = None
 
     def _offer(self) -> None:
         if self._panel is not None and self._panel.badge.is_refuted:

@@ -1,8 +1,12 @@
 """Several plans at once: a ghost each, which moves with the time and stops at its own end."""
 
+import threading
+
 import numpy as np
 import pytest
 
+from service.studio.motions.motion_panel import MotionPanel
+from service.studio.motions.shown_motion import ShownMotion
 from tests.service.servers import until
 from tests.service.studio.unseen import plain, studio
 
@@ -130,6 +134,28 @@ def test_ghosts_of_another_scene_are_gone(person):
     person.reads("nothing to hit|clear there|reach it")
     until(lambda: not ghost(person, first))
     assert not any("plan 1" in plain(line) for line in person.says)
+
+
+def test_a_motion_that_is_about_to_play_is_closed_before_it_or_after(person, monkeypatch):
+    toggle, close = MotionPanel.toggle, ShownMotion.close
+    begun, closed = threading.Event(), threading.Event()
+
+    def toggle_late(panel):
+        begun.set()
+        closed.wait(0.5)
+        toggle(panel)
+
+    def close_and_tell(shown):
+        close(shown)
+        closed.set()
+
+    monkeypatch.setattr(MotionPanel, "toggle", toggle_late)
+    monkeypatch.setattr(ShownMotion, "close", close_and_tell)
+    tick(person, "plan 1")
+    assert begun.wait(30)
+    person.set("Scene", "maze_2d")
+    person.reads("nothing to hit|clear there|reach it")  # a thread that fails meanwhile is an error
+    assert person.notices == []
 
 
 def curves(person):
