@@ -69,7 +69,8 @@ class World:
         self._robot_groups = [robot_groups(drake, loaded) for loaded in robots]
         self.scene_groups = SceneGroups(scene, self._robot_groups)
         self._configurations = named_configurations(scene, self._robot_groups, self.group)
-        nominal = np.array(drake.plant.GetPositions(self._plant_context))
+        # Not those of the shared context: another world of this model may have moved it.
+        nominal = np.array(drake.plant.GetDefaultPositions())
         self.state = initial_state(drake, robots, self._robot_groups, self._configurations, nominal)
         self.state.flags.writeable = False
 

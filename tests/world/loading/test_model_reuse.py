@@ -1,6 +1,7 @@
 """Edited in place is loaded anew: the same answers, whatever was done to the scene before."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from planning import (
 )
 from planning.domain.geometry.pose import Pose
 from planning.domain.geometry.shapes import Box, Sphere
-from planning.domain.scene.scene import PairMargin, Scene, SceneObject
+from planning.domain.scene.scene import PairMargin, Scene, SceneObject, SceneRobot
 from planning.domain.value import digest
 from planning.errors import InputError, WayproofError
 from planning.kernel.native import native
@@ -207,6 +208,25 @@ def test_the_world_before_an_edit_answers_as_before() -> None:
     compared(answers(world), before)
     compared(answers(moved), after)
     assert digest(before) != digest(after)
+
+
+def test_a_robot_without_home_starts_where_a_scene_loaded_anew_has_it(tmp_path: Path) -> None:
+    """Wherever queries of the world before have put it."""
+    description = tmp_path / "hinge.urdf"
+    description.write_text(
+        '<robot name="hinge"><link name="base"/><link name="tip"/><joint name="j" type="revolute">'
+        '<parent link="base"/><child link="tip"/><axis xyz="0 0 1"/>'
+        '<limit lower="-2" upper="2" velocity="1" effort="1"/></joint></robot>'
+    )
+    library = planning.ModelLibrary.bundled(allow_paths=True)
+    arm = SceneRobot("arm", str(description), Pose.identity(), None)
+    box = SceneObject("b1", Box(np.full(3, 0.1)), Pose.from_parts((1.0, 0.0, 0.0)))
+    world = planning.load_world(Scene("hinged", (arm,), (box,)), library)
+    world.frame_poses("arm::tip", np.array([[0.3]]))
+    scene = edit_scene(world.scene, [MoveObject("b1", Pose.from_parts((2.0, 0.0, 0.0)))])
+    moved = planning.load_world(scene, library, previous=world)
+    assert moved.shares_engine_with(world)
+    assert moved.state.tolist() == planning.load_world(scene, library).state.tolist() == [0.0]
 
 
 def test_a_judge_that_was_asked_before_the_edit_does_not_answer_after_it() -> None:
