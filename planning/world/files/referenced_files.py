@@ -24,7 +24,7 @@ _FOLDERS = ("meshdir", "texturedir", "assetdir")
 # A scan of a factory hall has some hundred megabytes.
 _MAX_BYTES = 2**30
 
-_MATERIALS = re.compile(rb"^[ \t]*mtllib[ \t]+(.+?)\s*$", re.MULTILINE)
+_MATERIALS = re.compile(rb"[ \t]*mtllib[ \t]+(.+?)\s*")
 _TEXTURES = re.compile(
     rb"^[ \t]*(?:map_\w+|bump|disp|decal|refl|norm)[ \t]+(.+?)\s*$", re.MULTILINE
 )
@@ -207,13 +207,26 @@ def _names_in_mesh(file: Path, content: bytes) -> list[str]:
     """Return the names in a mesh or a material, relative to its own folder."""
     match file.suffix.lower():
         case ".obj":
-            return _lines_and_words(_MATERIALS.findall(content))
+            return _lines_and_words(_materials(content))
         case ".mtl":
             return _lines_and_words(_TEXTURES.findall(content))
         case ".gltf":
             return _gltf_uris(content)
         case _:
             return []
+
+
+def _materials(content: bytes) -> list[bytes]:
+    """Return what the lines of materials name; a mesh has megabytes, and a line or two of these."""
+    found: list[bytes] = []
+    at = content.find(b"mtllib")
+    while at >= 0:
+        begin, end = content.rfind(b"\n", 0, at) + 1, content.find(b"\n", at)
+        end = len(content) if end < 0 else end
+        match = _MATERIALS.fullmatch(content, begin, end)
+        found += [match[1]] if match else []
+        at = content.find(b"mtllib", end)
+    return found
 
 
 def _lines_and_words(lines: list[bytes]) -> list[str]:
