@@ -89,6 +89,7 @@ class Runs:
         runs: Of each of the others, one per kind of goal and method.
         load_ms: Time to load each world, counted nowhere else.
         others: Runs of other planners on the same problems in turns, by their names.
+        reload_ms: Time to load each problem's world but the first, where the one before is there.
     """
 
     problems: list[Problem]
@@ -96,6 +97,7 @@ class Runs:
     runs: list[Run]
     load_ms: list[float]
     others: dict[str, list[Run]] = field(default_factory=dict[str, list[Run]])
+    reload_ms: list[float] = field(default_factory=list[float])
 
     def of_method(self, method: Method) -> "Runs":
         """Return the same with the runs of one method alone."""
@@ -141,21 +143,25 @@ class Bench:
     peers: tuple[Peer, ...] = ()
     loads: tuple[Load, ...] = ("none",)
 
-    def load(self, problem: Problem, *, kernel: bool) -> planning.World:
+    def load(
+        self, problem: Problem, *, kernel: bool, previous: planning.World | None = None
+    ) -> planning.World:
         """Return the problem's world, with or without the native kernel."""
         scene = scene_of(problem, self.files.spec)
-        return planning.load_world(scene, self.library, kernel=kernel)
+        return planning.load_world(scene, self.library, kernel=kernel, previous=previous)
 
     def run_all(
         self, problems: Iterable[Problem], goals: tuple[GoalKind, ...], *, kernel: bool
     ) -> Runs:
         """Plan every valid problem, once per kind of goal, method and load."""
         done = Runs(list(problems), [], [], [])
+        before: planning.World | None = None
         for problem in done.problems:
             referee = Referee(self.files, problem)
             if not referee.is_valid:
                 done.invalid.append(problem)
                 continue
+            before = self._reload(problem, before, done, kernel=kernel)
             for goal, method, load in product(goals, self.methods, self.loads):
                 began = self.clock()
                 world = self.load(problem, kernel=kernel)
@@ -170,6 +176,17 @@ class Bench:
                 theirs = peer.run(problem, goal, referee)
                 done.others.setdefault(peer.name, []).append(theirs)
         return done
+
+    def _reload(
+        self, problem: Problem, before: planning.World | None, done: Runs, *, kernel: bool
+    ) -> planning.World:
+        """Load a problem's world with that of the problem before, and note how long it takes."""
+        gc.collect()
+        began = self.clock()
+        world = self.load(problem, kernel=kernel, previous=before)
+        if before is not None:
+            done.reload_ms.append(1e3 * (self.clock() - began))
+        return world
 
     def _query(
         self,

@@ -48,7 +48,7 @@ def of_goal(runs: Sequence[Run], goal: GoalKind) -> list[Run]:
 def document(done: Runs, drake: Runs | None) -> dict[str, Any]:
     """Return everything as one JSON object, joint goals on top and pose goals in `pose`."""
     top = _document(done, drake, "joint")
-    top["load_ms"] = _rounded(done.load_ms)
+    top["load_ms"], top["reload_ms"] = _rounded(done.load_ms), _rounded(done.reload_ms)
     top["pose"] = _document(done, drake, "pose")
     return top
 

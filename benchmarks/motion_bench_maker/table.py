@@ -29,6 +29,8 @@ def print_tables(done: Runs, drake: Runs | None, head: str, drake_note: str) -> 
         console.print(_motions(done, runs, f"{goal} goals: motions"))
     if load := Spread.of(done.load_ms):
         console.print(f"loading a world, counted nowhere above: {spread_cell(load, 0)} ms")
+    if reload := Spread.of(done.reload_ms):
+        console.print(f"where the world before is there: {spread_cell(reload, 0)} ms")
     print_faults(console, done)
     console.print(drake_note)
     if drake is None:
