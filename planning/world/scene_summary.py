@@ -13,7 +13,10 @@ from planning.world.loading.start_warnings import start_warnings
 from planning.world.mechanics.grippers import gripper_of
 from planning.world.world import World
 
-_sorted_names_cache: WeakKeyDictionary[RobotDiagram, tuple[tuple[str, ...], tuple[str, ...]]] = (
+type _Names = tuple[tuple[str, ...], tuple[str, ...]]
+
+# Of each engine the names of one table of objects, with its rows: those of moved objects are these.
+_sorted_names_cache: WeakKeyDictionary[RobotDiagram, tuple[dict[str, int], _Names]] = (
     WeakKeyDictionary()
 )
 
@@ -51,10 +54,11 @@ def scene_summary(world: World) -> SceneSummary:
     )
 
 
-def _sorted_names(model: DrakeModel) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the names of all frames and bodies; models that share an engine share them."""
+def _sorted_names(model: DrakeModel) -> _Names:
+    """Return the names of all frames and bodies; models with the same objects share them."""
+    rows = model.static_objects.rows
     found = _sorted_names_cache.get(model.diagram)
-    if found is None:
-        found = tuple(sorted(model.all_frames)), tuple(sorted(model.all_bodies))
-        _sorted_names_cache[model.diagram] = found
-    return found
+    if found is None or found[0] is not rows:
+        names = tuple(sorted(model.all_frames)), tuple(sorted(model.all_bodies))
+        found = _sorted_names_cache[model.diagram] = rows, names
+    return found[1]

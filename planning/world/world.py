@@ -83,6 +83,10 @@ class World:
         """Return whether both use one Drake model, and so belong to one thread."""
         return self.drake.diagram is other.drake.diagram
 
+    def has_objects_of(self, other: "World") -> bool:
+        """Return whether both have the same objects outside of Drake's model, or moved ones."""
+        return self.drake.static_objects.rows is other.drake.static_objects.rows
+
     @property
     def _plant_context(self) -> Any:
         """Shared context for frame poses."""

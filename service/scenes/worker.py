@@ -10,7 +10,6 @@ from planning import (
     Scene,
     World,
     edit_scene,
-    load_world,
     scene_document,
     scene_summary,
 )
@@ -57,7 +56,7 @@ def load_scene(work: LoadWork, context: TaskContext) -> LoadedScene:
     with _no_collections():
         document = decode_scene(work.text, work.media)
         try:
-            world = load_world(trial_load(document.value(), library), library)
+            world = load_like(trial_load(document.value(), library), library)
         except SceneInvalid as fault:
             posted = document.model_dump(mode="json")
             raise located_in_scene(with_line(fault, work.text), posted) from fault

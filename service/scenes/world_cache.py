@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from weakref import WeakSet
 
 from planning import ModelLibrary, Scene, World, load_world
 from planning.domain.scene.kept_files import KeptFiles
@@ -40,6 +41,8 @@ class _Idle:
 
 
 _idle: OrderedDict[tuple[Key, int], _Idle] = OrderedDict()
+# What shares an engine must not be lent to two tasks at a time.
+_lent: WeakSet[World] = WeakSet()
 _lock = threading.Lock()
 
 
@@ -144,7 +147,7 @@ def read_stored(scene: StoredScene) -> tuple[SceneDocument, Mapping[str, KeptFil
 
 
 def load_like(scene: Scene, library: ModelLibrary) -> World:
-    """Load a scene, with what it has in common with one that is idle here.
+    """Load a scene, with what it has in common with one that is idle here; `keep` it or drop it.
 
     Raises:
         InputError: The scene does not load.
@@ -158,8 +161,10 @@ def load_like(scene: Scene, library: ModelLibrary) -> World:
     except InputError:
         _put_back(key, like)
         raise
-    # What shares an engine must not be lent to two tasks: of revisions only the latest stays.
-    if not world.shares_engine_with(like.world):
+    with _lock:
+        _lent.add(world)
+        _lent.discard(like.world)
+    if not world.has_objects_of(like.world):  # of one table of objects only the latest stays
         _put_back(key, like)
     return world
 
@@ -189,28 +194,50 @@ def _described_digest(idle: _Idle) -> str:
 def _take(key: Key) -> _Idle | None:
     with _lock:
         for stored in reversed(_idle):
-            if stored[0] == key:
-                return _idle.pop(stored)
+            if stored[0] == key and not _is_engine_lent(_idle[stored].world):
+                return _lend(stored)
     return None
+
+
+def _lend(stored: tuple[Key, int]) -> _Idle:
+    idle = _idle.pop(stored)
+    _lent.add(idle.world)
+    return idle
+
+
+def _is_engine_lent(world: World) -> bool:
+    return any(world.shares_engine_with(lent) for lent in _lent)
 
 
 def _take_like(scene: Scene, library: ModelLibrary) -> tuple[Key, _Idle] | None:
-    """Return the idle world, last used first, that may have Drake's model in common."""
-    robots = [(robot.name, robot.model) for robot in scene.robots]
+    """Return an idle world that may have Drake's model in common.
+
+    The last used one of those with the same objects, if there is one, for they may have moved; else
+    the last used one with the same robots.
+    """
+    robots, names = _names(scene)
     with _lock:
-        for stored in reversed(_idle):
-            other = _idle[stored].world.scene
-            if (
-                stored[0][2] == library
-                and len(other.objects) == len(scene.objects)
-                and [(robot.name, robot.model) for robot in other.robots] == robots
-            ):
-                return stored[0], _idle.pop(stored)
-    return None
+        alike = [
+            stored
+            for stored, idle in reversed(_idle.items())
+            if stored[0][2] == library
+            and _names(idle.world.scene)[0] == robots
+            and not _is_engine_lent(idle.world)
+        ]
+        moved = (stored for stored in alike if _names(_idle[stored].world.scene)[1] == names)
+        found = next(moved, alike[0] if alike else None)
+        return None if found is None else (found[0], _lend(found))
+
+
+def _names(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
+    """Return the names and models of the robots of a scene, and the names of its objects."""
+    robots = [(robot.name, robot.model) for robot in scene.robots]
+    return robots, [thing.name for thing in scene.objects]
 
 
 def _put_back(key: Key, idle: _Idle) -> None:
     with _lock:
+        _lent.discard(idle.world)
         _idle[key, id(idle.world)] = idle
         while len(_idle) > MAX_WORLDS:
             _idle.popitem(last=False)

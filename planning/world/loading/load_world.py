@@ -46,8 +46,9 @@ def load_world(
         library: Library of robots; None for those that come with Wayproof.
         kernel: Whether the native kernel may decide collisions where it is certain; the results are
             Drake's either way.
-        previous: A loaded world to reuse, such as that of the scene before an edit: common parts
-            are not loaded again but shared, so both belong to one thread.
+        previous: A loaded world to reuse, such as that of the scene before an edit, or of another
+            scene with the same robots: common parts are not loaded again but shared, so both belong
+            to one thread.
         all_in_drake: Whether Drake's model has the objects that are fixed to the world too, but for
             half spaces, for those who ask Drake alone; else they are kept outside of it, with the
             same results.
@@ -70,7 +71,7 @@ def load_world(
         )
         _validate_margin_bodies(stored.scene, world.drake)
         _validate_grips(world)
-        if shared is None:
+        if previous is None or not world.has_objects_of(previous):
             _precompute(world)
         return world
 

@@ -1,59 +1,69 @@
-"""Reuse of a loaded world's Drake model for a scene that differs only in poses and positions.
+"""Reuse of a loaded world's Drake model for a scene with the same robots and attached objects.
 
-Drake's model depends on the robots and on the attached objects. The poses of all other objects
-are in our own tables, and robot positions are a state: neither is in the model.
+Drake's model depends on these alone: all other objects are in our own tables, and robot positions
+are a state.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from planning.domain.scene.scene import Scene, SceneFrame, SceneObject
 from planning.domain.value import digest
 from planning.world.collision.collision_pairs import copy_candidates
+from planning.world.collision.half_spaces import has_moving_half_space
 from planning.world.collision.unchecked_pairs import copy_unchecked_pairs
 from planning.world.drake_model import DrakeModel
 from planning.world.files.stored_scene import StoredScene
-from planning.world.kernel.kernel_scene import copy_kernel_scene
+from planning.world.kernel.kernel_scene import copy_kernel_scene, kernel_scene_of
 from planning.world.loading.scene_build import LoadedRobot
 from planning.world.loading.start_warnings import copy_start_warnings
-from planning.world.loading.static_build import static_frames, transforms
+from planning.world.loading.static_build import make_static_objects, static_frames, transforms
 from planning.world.world import World
 
 
 def reuse_model(
     stored: StoredScene, static_names: frozenset[str], previous: World | None, *, kernel: bool
 ) -> tuple[DrakeModel, tuple[LoadedRobot, ...]] | None:
-    """Return the model of a loaded world with objects moved, and its robots.
+    """Return the model of a loaded world with the objects of a scene, and its robots.
 
-    None if the scenes differ in more than the poses, positions and colors of robots and of
-    objects outside of Drake's model.
+    None if the scenes differ in what Drake's model is made of, or if the builder has to say what is
+    wrong with the scene.
 
     Args:
         stored: The scene, with its files.
         static_names: Names of the objects that are kept outside of Drake's model.
         previous: The loaded world.
         kernel: Whether the native kernel may decide collisions.
+
+    Raises:
+        SceneInvalid: An object does not load, or there are too many.
+        ModelInvalid: A mesh refers to elements outside of its file.
+        AssetNotFound: The file of a mesh does not exist any more.
     """
     if previous is None or previous.drake.uses_kernel != kernel:
         return None
     before, static_objects = previous.drake, previous.drake.static_objects
-    if len(static_names) != len(static_objects) or _model_digest(
-        stored.scene, static_names
-    ) != _model_digest(previous.scene, static_names):
+    if _model_digest(stored.scene, static_names) != _model_digest(
+        previous.scene, static_objects.rows
+    ):
         return None
     things = [thing for thing in stored.scene.objects if thing.name in static_names]
     if stored.meshes:
         things = list(map(stored.stored_object, things))
-    if not _are_same(things, static_objects.objects):
+    if _are_same(things, static_objects.objects):
+        model = _with_moved_objects(before, things, stored.scene.frames)
+    else:
+        model = _with_other_objects(before, stored, static_names)
+    if model is None:
         return None
     robots = tuple(
         replace(loaded, scene_robot=robot)
         for loaded, robot in zip(previous.loaded_robots, stored.scene.robots, strict=True)
     )
-    return _with_moved_objects(before, things, stored.scene.frames), robots
+    return model, robots
 
 
-def _model_digest(scene: Scene, static_names: frozenset[str]) -> str:
+def _model_digest(scene: Scene, static_names: Collection[str]) -> str:
     """Return the digest of all inputs of Drake's model."""
     return digest((
         [replace(robot, positions=None) for robot in scene.robots],
@@ -61,7 +71,7 @@ def _model_digest(scene: Scene, static_names: frozenset[str]) -> str:
         [(frame.name, frame.parent, frame.pose) for frame in scene.frames],
         scene.allowed_collisions,
         scene.margins,
-        scene.files,
+        {name: files for name, files in scene.files.items() if name not in static_names},
     ))
 
 
@@ -95,4 +105,27 @@ def _with_moved_objects(
     copy_unchecked_pairs(before, after)
     copy_start_warnings(before, after, rows)
     copy_kernel_scene(before, after, rows)
+    return after
+
+
+def _with_other_objects(
+    before: DrakeModel, stored: StoredScene, static_names: frozenset[str]
+) -> DrakeModel | None:
+    """Return a model with the scene's objects outside of it; None where it has to be built."""
+    scene, names = stored.scene, [thing.name for thing in stored.scene.objects]
+    others = {*before.bodies, *before.frames, *(robot.name for robot in scene.robots)}
+    others |= {frame.name for frame in scene.frames}
+    if len(names) > len({*names}) or static_names & others:
+        return None  # a name is given twice
+    static_objects = make_static_objects(stored, static_names)
+    allowed = static_objects.allowed
+    known = {*before.bodies, *static_names}
+    # The model has the reasons why these pairs are left out.
+    if allowed != before.static_objects.allowed or any(pair - known for pair in allowed):
+        return None
+    after = replace(before, static_objects=static_objects)
+    if any(frame.name not in after.all_frames for frame in scene.frames):
+        return None  # what it was on is gone
+    if static_names and (kernel_scene_of(after) is None or has_moving_half_space(after)):
+        return None  # Drake has to have the objects
     return after

@@ -80,3 +80,50 @@ def test_a_scene_that_is_another_one_by_now_is_refused_wherever_its_robots_are(b
         worlds._idle.clear()
         with pytest.raises(SceneNotKept):
             borrowed(positions, digest="0" * 64)
+
+
+BOX = {"name": "box", "shape": {"box": [0.1, 0.1, 0.1]}, "pose": {"position": [0.6, 0, 0.1]}}
+
+
+@pytest.fixture
+def both_borrowed(tmp_path):
+    """Borrows worlds of the posted scene, and of another one with the same robots and a box."""
+    worlds._idle.clear()
+    works = []
+    for objects in ([], [BOX]):
+        posted = LoadWork(
+            library=LIBRARY, text=json.dumps({**POSTED, "objects": objects}), media="json"
+        )
+        loaded = on_host(tmp_path, load_scene, posted, SilentContext())
+        document = put(tmp_path, artifact_of(loaded).content)
+        scene = StoredScene(digest=loaded.digest, document=document, positions={})
+        works.append(SceneWork(library=LIBRARY, scene=scene))
+    yield lambda look: on_host(tmp_path, look, *(worlds.borrow_world(work) for work in works))
+    worlds._idle.clear()
+
+
+def test_scenes_with_the_same_robots_share_an_engine_and_both_stay_warm(both_borrowed, monkeypatch):
+    assert len(worlds._idle) == 2
+    monkeypatch.setattr(worlds, "load_world", None)
+
+    def look(bare, boxed):
+        with bare as world:
+            first = world
+        with boxed as world:
+            assert world.shares_engine_with(first)
+            assert "box" in world.drake.all_bodies
+        assert "box" not in first.drake.all_bodies
+
+    both_borrowed(look)
+    assert len(worlds._idle) == 2
+
+
+def test_worlds_that_share_an_engine_are_not_lent_at_a_time(both_borrowed):
+    def look(bare, boxed):
+        with bare as first, boxed as second:
+            assert not first.shares_engine_with(second)
+            assert state(first) == state(second)
+
+    both_borrowed(look)
+    assert len(worlds._idle) == 3
+    assert not worlds._lent

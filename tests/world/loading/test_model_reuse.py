@@ -23,7 +23,7 @@ from planning import (
     scene_summary,
 )
 from planning.domain.geometry.pose import Pose
-from planning.domain.geometry.shapes import Box, Sphere
+from planning.domain.geometry.shapes import Box, Capsule, HalfSpace, Mesh, Sphere
 from planning.domain.scene.scene import PairMargin, Scene, SceneObject, SceneRobot
 from planning.domain.value import digest
 from planning.errors import InputError, WayproofError
@@ -164,17 +164,45 @@ def test_moving_things_and_robots_loads_nothing_again() -> None:
     assert like.drake.diagram is world.drake.diagram
 
 
+CAPSULE = SceneObject("new", Capsule(0.05, 0.2), Pose.from_parts((0.4, 0.1, 0.3)))
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        edit_scene(SCENE, [RemoveObject("b3")]),
+        edit_scene(SCENE, [AddObject(CAPSULE)]),
+        edit_scene(SCENE, [RemoveObject("b4"), AddObject(CAPSULE)]),
+        replace(SCENE, objects=(), frames=()),
+        replace(SCENE, objects=SCENE.objects[::-1]),
+        replace(SCENE, objects=(replace(SCENE.objects[0], shape=Box(np.full(3, 0.3))), *REST)),
+    ],
+    ids=["removed", "added", "exchanged", "none", "in another order", "shape"],
+)
+def test_other_objects_load_no_robot_again(scene: Scene) -> None:
+    bare = replace(scene, frames=())
+    world = load(replace(SCENE, frames=()))
+    before = answers(world)
+    other = load(bare, like=world)
+    assert other.drake.diagram is world.drake.diagram
+    compared(answers(other), answers(load(bare)))
+    compared(planned(other), planned(load(bare)))
+    compared(answers(world), before)
+    back = load(world.scene, like=other)
+    assert back.drake.diagram is world.drake.diagram
+    compared(answers(back), before)
+
+
 @pytest.mark.parametrize(
     "step",
     [
-        RemoveObject("b3"),
-        AddObject(SceneObject("new", Box(np.full(3, 0.1)), Pose.identity())),
+        AddObject(SceneObject("new", HalfSpace(), Pose.from_parts((0.0, 0.0, -0.5)))),
         AttachObject("b3", "arm::tcp"),
         AllowPair(("b1", "arm::forearm_link")),
     ],
     ids=lambda step: type(step).__name__,
 )
-def test_what_is_more_than_a_move_is_loaded_again(step: Any) -> None:
+def test_what_is_in_drakes_model_is_loaded_again(step: Any) -> None:
     world = load(SCENE)
     scene = edit_scene(SCENE, [step])
     edited = load(scene, like=world)
@@ -182,21 +210,90 @@ def test_what_is_more_than_a_move_is_loaded_again(step: Any) -> None:
     compared(answers(edited), answers(load(scene)))
 
 
-@pytest.mark.parametrize(
-    "scene",
-    [
-        replace(SCENE, objects=(replace(SCENE.objects[0], shape=Box(np.full(3, 0.3))), *REST)),
-        replace(SCENE, margins=(PairMargin(("b1", "arm::forearm_link"), 0.4),)),
-    ],
-    ids=["shape", "margin"],
-)
-def test_what_no_edit_changes_is_loaded_again_too(scene: Scene) -> None:
+def test_a_margin_is_loaded_again() -> None:
     """A scene that is posted anew may have it changed."""
+    scene = replace(SCENE, margins=(PairMargin(("b1", "arm::forearm_link"), 0.4),))
     world = load(SCENE)
     other = load(scene, like=world)
     assert other.drake.diagram is not world.drake.diagram
     compared(answers(other), answers(load(scene)))
     assert digest(answers(other)) != digest(answers(world))
+
+
+TRAY = """<sdf version="1.9"><model name="m"><link name="base"/>
+<joint name="w" type="fixed"><parent>world</parent><child>base</child></joint>
+<link name="tray"><collision name="c"><geometry><plane><normal>0 0 1</normal>
+<size>1 1</size></plane></geometry></collision></link>
+<joint name="j" type="revolute"><parent>base</parent>
+<child>tray</child><axis><xyz>1 0 0</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis>
+</joint></model></sdf>"""
+
+
+def test_the_first_object_that_drake_has_to_have_is_loaded(tmp_path: Path) -> None:
+    (tmp_path / "tray.sdf").write_text(TRAY)
+    library = planning.ModelLibrary.bundled(allow_paths=True)
+    tray = SceneRobot("r", str(tmp_path / "tray.sdf"), Pose.identity(), None)
+    bare = Scene("tilted", (tray,))
+    scene = edit_scene(bare, [AddObject(CAPSULE)])
+    other = planning.load_world(scene, library, previous=planning.load_world(bare, library))
+    assert "new" in other.drake.bodies
+    expected = planning.load_world(scene, library)
+    q = np.linspace(-1, 1, 9)[:, None]
+    compared(
+        [planning.check_configurations(other, "r", q)],
+        [planning.check_configurations(expected, "r", q)],
+    )
+
+
+def test_pairs_that_may_touch_stay_so_beside_other_objects() -> None:
+    allowed = edit_scene(SCENE, [AllowPair(("b1", "arm::forearm_link"))])
+    world, scene = load(allowed), edit_scene(allowed, [AddObject(CAPSULE), RemoveObject("b4")])
+    other = load(scene, like=world)
+    assert other.drake.diagram is world.drake.diagram
+    compared(answers(other), answers(load(scene)))
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        replace(SCENE, objects=(SCENE.objects[0], *SCENE.objects[2:])),
+        replace(SCENE, frames=(), objects=(*REST, replace(CAPSULE, name="arm"))),
+        replace(SCENE, frames=(), objects=(*REST, replace(CAPSULE, name="b1"))),
+        replace(SCENE, frames=(), objects=(*REST, replace(CAPSULE, name="arm::forearm_link"))),
+        replace(SCENE, objects=(*REST, replace(CAPSULE, name="on_it"))),
+        replace(SCENE, frames=(), objects=REST, allowed_collisions=(("b0", "arm::base_link"),)),
+        replace(SCENE, frames=(), objects=REST, allowed_collisions=(("b0", "b2"),)),
+        replace(SCENE, frames=(), margins=(PairMargin(("b0", "b9"), 0.1),)),
+        replace(
+            SCENE,
+            frames=(),
+            objects=(*REST, replace(CAPSULE, shape=Mesh("nowhere.obj", np.ones(3)))),
+        ),
+    ],
+    ids=[
+        "frame on it",
+        "robot",
+        "twice",
+        "link",
+        "frame",
+        "allowed",
+        "both allowed",
+        "margin",
+        "mesh",
+    ],
+)
+def test_a_fault_is_told_as_by_a_scene_loaded_anew(scene: Scene) -> None:
+    everything = replace(scene, objects=(*SCENE.objects, CAPSULE), margins=())
+    world = load(everything)
+    with pytest.raises(InputError) as expected:
+        load(scene)
+    with pytest.raises(InputError) as found:
+        load(scene, like=world)
+    assert found.type is expected.type
+    assert (found.value.detail, found.value.evidence) == (
+        expected.value.detail,
+        expected.value.evidence,
+    )
 
 
 def test_the_world_before_an_edit_answers_as_before() -> None:
