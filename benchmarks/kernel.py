@@ -1,10 +1,11 @@
 """Microseconds per configuration and per edge: the native kernel beside Drake's own checker.
 
-A Panda among 10, 100 and 1,000 boxes, cylinders and spheres that are scattered around it, and
-before the bundled bookshelf. Both answer the same random configurations and edges in the same
-process and in turns, Drake the first few of them only, as it takes the same time for each; the
-kernel's times include what it leaves to Drake. Motions of two UR5es, far from each other and near,
-are proven beside each other by both as well; they are not times per item but per proof.
+A Panda among 10 to 10,000 boxes, cylinders and spheres that are scattered around it, and before the
+bundled bookshelf. Both answer the same random configurations and edges in the same process and in
+turns, Drake the first few of them only, as it takes the same time for each, and not among more
+obstacles than it loads; the kernel's times include what it leaves to Drake. Motions of two UR5es,
+far from each other and near, are proven beside each other by both as well; they are not times per
+item but per proof.
 """
 
 import argparse
@@ -28,8 +29,9 @@ from planning.kernel.native import kernel_name
 from planning.world.collision.collision_check import DrakeCollisionOracle
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.kernel_oracle import KernelCollisionOracle
+from planning.world.loading.load_world import MAX_OBJECTS_FOR_DRAKE
 
-OBSTACLES = (10, 100, 1000)
+OBSTACLES = (10, 100, 1000, 10000)
 BATCHES = (1, 16, 256, 4096)
 ROUNDS = 5
 # In one round: how often the kernel judges the same again, and how many items Drake judges at most.
@@ -49,7 +51,7 @@ class Row:
         scene: What surrounds the arm.
         what: Configurations in batches of so many, or edges.
         kernel_us: Median time per item with the kernel [us].
-        drake_us: And with Drake alone [us].
+        drake_us: And with Drake alone [us]; None where there are too many obstacles for it.
         unsure: Share of configurations that were left to Drake.
         free: Share that is free.
     """
@@ -57,9 +59,14 @@ class Row:
     scene: str
     what: str
     kernel_us: float
-    drake_us: float
+    drake_us: float | None
     unsure: float
     free: float
+
+    @property
+    def ratio(self) -> float | None:
+        """How many times longer Drake takes."""
+        return None if self.drake_us is None else self.drake_us / self.kernel_us
 
 
 def main() -> None:
@@ -72,7 +79,7 @@ def main() -> None:
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     rows = [*measured(options.obstacles, options.seed), *beside_rows(options.seed)]
     if options.json:
-        print(json.dumps([asdict(row) | {"ratio": row.drake_us / row.kernel_us} for row in rows]))
+        print(json.dumps([asdict(row) | {"ratio": row.ratio} for row in rows]))
     else:
         Console().print(_table(rows))
 
@@ -164,11 +171,12 @@ def scattered(count: int, rng: np.random.Generator) -> planning.Scene:
 def _scene_rows(
     name: str, scene: planning.Scene, rng: np.random.Generator, rounds: int
 ) -> Iterator[Row]:
-    world = planning.load_world(scene, all_in_drake=True)
+    has_drake = len(scene.objects) <= MAX_OBJECTS_FOR_DRAKE
+    world = planning.load_world(scene, all_in_drake=has_drake)
     group = world.group("panda")
     limits, margins = world.limits(group), world.margins()
     kernel = world.collision_oracle(group, margins)
-    drake = DrakeCollisionOracle(world.drake, group, world.state, margins)
+    drake = DrakeCollisionOracle(world.drake, group, world.state, margins) if has_drake else None
     qs = rng.uniform(limits.lower, limits.upper, (max(BATCHES), group.num_positions))
     free = kernel.are_free(qs)
     unsure = kernel.num_undecided / len(qs) if isinstance(kernel, KernelCollisionOracle) else 1.0
@@ -176,7 +184,7 @@ def _scene_rows(
         batch = qs[: max(size, 64)]
         kernel_us, drake_us = _in_turns(
             lambda batch=batch, size=size: _judge(kernel, batch, size),
-            lambda batch=batch, size=size: _judge(drake, batch[:DRAKE_TAKES], size),
+            drake and (lambda batch=batch, size=size: _judge(drake, batch[:DRAKE_TAKES], size)),
             counts=(len(batch), min(len(batch), DRAKE_TAKES)),
             rounds=rounds,
         )
@@ -189,7 +197,7 @@ def _scene_rows(
         some = rows[:DRAKE_TAKES]
         kernel_us, drake_us = _in_turns(
             lambda some=some: _judge_edges(kernel, starts[some], ends[some]),
-            lambda some=some: _judge_edges(drake, starts[some], ends[some]),
+            drake and (lambda some=some: _judge_edges(drake, starts[some], ends[some])),
             counts=(len(some), len(some)),
             rounds=rounds,
         )
@@ -219,8 +227,12 @@ def _judge_edges(oracle: Any, starts: Any, ends: Any) -> None:
 
 
 def _in_turns(
-    kernel: Callable[[], None], drake: Callable[[], None], *, counts: tuple[int, int], rounds: int
-) -> tuple[float, float]:
+    kernel: Callable[[], None],
+    drake: Callable[[], None] | None,
+    *,
+    counts: tuple[int, int],
+    rounds: int,
+) -> tuple[float, float | None]:
     """Return the median time per item of both [us]; each runs several times between the other."""
     times: tuple[list[float], list[float]] = ([], [])
     for round_ in range(rounds):
@@ -228,11 +240,13 @@ def _in_turns(
             (kernel, drake), times, (KERNEL_REPEATS, 1), counts, strict=True
         ):
             began = time.perf_counter()
+            if run is None:
+                continue
             for _ in range(repeat):
                 run()
             if round_:  # the first one warms up
                 kept.append(1e6 * (time.perf_counter() - began) / (count * repeat))
-    return statistics.median(times[0]), statistics.median(times[1])
+    return statistics.median(times[0]), statistics.median(times[1]) if times[1] else None
 
 
 def _table(rows: list[Row]) -> Table:
@@ -248,8 +262,8 @@ def _table(rows: list[Row]) -> Table:
             row.scene,
             row.what,
             f"{row.kernel_us:.2f}",
-            f"{row.drake_us:.1f}",
-            f"{row.drake_us / row.kernel_us:.0f}",
+            "-" if row.drake_us is None else f"{row.drake_us:.1f}",
+            "-" if row.ratio is None else f"{row.ratio:.0f}",
             f"{100 * row.unsure:.2f} %",
             f"{100 * row.free:.0f} %",
         )

@@ -2,6 +2,7 @@
 
 import math
 
+import benchmarks.kernel
 from benchmarks.kernel import BATCHES, beside_rows, measured
 
 
@@ -15,12 +16,20 @@ def test_every_scene_has_its_rows() -> None:
     for row in rows:
         assert math.isfinite(row.kernel_us)
         assert row.kernel_us > 0
+        assert row.drake_us is not None
         assert row.drake_us > 0
         assert 0 <= row.unsure <= 1
         assert 0 < row.free < 1
 
 
+def test_drake_has_no_numbers_among_more_obstacles_than_it_loads(monkeypatch) -> None:
+    monkeypatch.setattr(benchmarks.kernel, "MAX_OBJECTS_FOR_DRAKE", 4)
+    rows = [row for row in measured((5,), seed=1, rounds=2) if row.scene == "5 obstacles"]
+    assert rows
+    assert all(row.kernel_us > 0 and row.drake_us is None and row.ratio is None for row in rows)
+
+
 def test_motions_beside_each_other_have_a_row_far_and_near() -> None:
     rows = list(beside_rows(seed=1, rounds=2))
     assert [row.scene for row in rows] == ["two arms, far", "two arms, near"]
-    assert all(row.kernel_us > 0 and row.drake_us > 0 for row in rows)
+    assert all(row.kernel_us > 0 and row.drake_us is not None and row.drake_us > 0 for row in rows)
