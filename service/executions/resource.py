@@ -29,6 +29,7 @@ JOB_STATES = {
 
 async def execution_resource(jobs: JobService, job: JobSummary) -> Execution:
     """Return an execution in full."""
+    job = jobs.with_cancel(job)
     work = ExecutionOutline.model_validate(job.payload)
     status = await last_status(jobs, job)
     state = state_of(job, status)

@@ -191,9 +191,9 @@ def interrupted(outcome: Failed, error: WayproofError, reason: str, attempts: in
         attempts: How often the job was started.
     """
     match outcome:
-        case Terminated(error=Canceled(detail=detail, evidence=evidence)):
+        case Terminated(error=Canceled() as canceled):
             # It came to its end as one that is canceled does; why, is ours to say.
-            return Canceled(f"{detail}: {reason}", {**evidence, "reason": reason})
+            return canceled.saying(f"{canceled.detail}: {reason}", {"reason": reason})
         case Terminated(error=None) | Crashed():
             message = f"{reason} while this ran, and it did not end in time"
             return ServerRestarted(message, {"attempts": attempts, "reason": reason})

@@ -156,6 +156,13 @@ class JobService(JobReader, TaskCalls):
         run = None if job.state.is_final else self._dispatcher.attempt_of(job.id)
         return [] if run is None else run.unrecorded
 
+    def with_cancel(self, job: JobSummary) -> JobSummary:
+        """Return a job as the database has it, with a cancel that it does not hold yet."""
+        run = None if job.state.is_final else self._dispatcher.attempt_of(job.id)
+        if run is None or not run.is_cancel_requested:
+            return job
+        return replace(job, is_cancel_requested=True, cancel_requested_at=run.cancel_requested_at)
+
     async def drain(self) -> None:
         """Take and begin no more jobs, and wait for those that run; see `Dispatcher.drain`."""
         await self._dispatcher.drain()

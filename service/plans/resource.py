@@ -85,6 +85,7 @@ async def plan_resource(
         job: That plans.
         request: Of the job, if it has been read already.
     """
+    job = jobs.with_cancel(job)
     outcome = job.result or {}
     is_running = job.state is JobState.RUNNING
     best = await jobs.latest_event(job, "best-so-far") if is_running else None

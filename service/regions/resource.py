@@ -13,6 +13,7 @@ from service.regions.tasks import RegionsOutline, RegionsWork
 
 def regions_brief(jobs: JobService, job: JobSummary) -> RegionsBrief:
     """Return regions without their faces."""
+    job = jobs.with_cancel(job)
     work = RegionsWork.model_validate(job.payload)
     outcome = None if job.result is None else RegionsOutline.model_validate(job.result)
     failure = None if job.failure is None else Failure.model_validate(job.failure)

@@ -99,6 +99,11 @@ def check_steered(motion):
     at_rest = until(lambda: "end" in (now := motion.now)["unrecorded"] and now)
     assert 0 < at_rest["status"]["progress"] < 1
     assert at_rest["finished_at"] is None
+    # Not `executing`, as the database has it still.
+    assert at_rest["state"] == at_rest["status"]["state"] == "canceling"
+    assert at_rest["cancel_requested_at"] == answer["cancel_requested_at"] is not None
+    listed = motion.server.ask("GET", "/v1/executions?limit=1")["items"][0]
+    assert listed["state"] == "canceling"
     return at_rest
 
 
@@ -165,5 +170,7 @@ def test_a_server_that_is_told_to_end_brings_its_robot_to_rest_first(tmp_path):
         ended = second.ask("GET", motion.path)
     assert ended["state"] == "canceled"
     assert ended["failure"]["evidence"]["reason"] == "the server stopped"
+    assert ended["failure"]["stage"] == "execute"
+    assert ended["timings"]["execute"] > 0
     assert 0 < ended["status"]["progress"] < 1
     assert motion.is_on_path(ended["status"])
