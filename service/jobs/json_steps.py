@@ -48,6 +48,16 @@ def member_of(text: str, wanted: str) -> str | None:
     return text[begin : (len(text) if end < 0 else end) - 1]
 
 
+def ends_of(text: str) -> list[Any]:
+    """Return the first and the last element of a list of numbers, or of lists of numbers."""
+    inner = text.strip()[1:-1].strip()
+    if not inner:
+        return []
+    if inner[0] == "[":
+        return [json.loads(inner[: inner.index("]") + 1]), json.loads(inner[inner.rindex("[") :])]
+    return [json.loads(inner.split(",", 1)[0]), json.loads(inner.rsplit(",", 1)[-1])]
+
+
 def without_members(text: str, names: Collection[str]) -> str:
     """Return the text of an object without the members of some names; what stays is not read."""
     kept = [f"{json.dumps(name)}:{part}" for name, part in members_of(text) if name not in names]

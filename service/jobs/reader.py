@@ -2,6 +2,7 @@
 
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from functools import partial
+from typing import Any
 
 from anyio import to_thread
 
@@ -45,13 +46,23 @@ class JobReader:
         self._prefixes = prefixes
         self._queues = queues
 
-    async def job(self, queue: str, identifier: str) -> Job:
+    async def job(
+        self, queue: str, identifier: str, read_result: Callable[[str], Any] | None = None
+    ) -> Job:
         """Return a job.
+
+        Args:
+            queue: Its queue.
+            identifier: Its id.
+            read_result: Returns its result from the text of that; None for the result itself.
 
         Raises:
             UnknownResource: The queue has none of that id.
         """
-        return await self._read(queue, identifier, self._store.get)
+        get = self._store.get
+        if read_result is not None:
+            get = partial(self._store.get_read, read_result=read_result)
+        return await self._read(queue, identifier, get)
 
     async def job_text(self, queue: str, identifier: str) -> JobText:
         """Return a job whose result is passed on as it is; raises as `job`."""

@@ -7,10 +7,11 @@ from fastapi import Depends
 from service.api.dependencies import JobsDep
 from service.api.params import PlanId
 from service.jobs.job import Job, JobSummary, JobText
+from service.plans.plan_job import read_plan
 
 
 async def _plan_job(plan: PlanId, jobs: JobsDep) -> Job:
-    return await jobs.job("plan", plan)
+    return await read_plan(jobs, plan)
 
 
 async def _plan_text(plan: PlanId, jobs: JobsDep) -> JobText:
@@ -21,6 +22,7 @@ async def _open_plan(plan: PlanId, jobs: JobsDep) -> JobSummary:
     return await jobs.open_job("plan", plan)
 
 
+# Without the samples of its motion.
 type PlanJob = Annotated[Job, Depends(_plan_job)]
 # With its result, which is passed on as it is.
 type PlanText = Annotated[JobText, Depends(_plan_text)]

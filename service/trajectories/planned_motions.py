@@ -6,6 +6,7 @@ from planning.domain.curves.combined import combined
 from planning.errors import ProblemInvalid
 from service.jobs.service import JobService
 from service.plans.models.trajectory import Polynomial
+from service.plans.plan_job import read_plan
 from service.plans.resource import motion_of, work_of
 from service.scenes.store.records import SceneRecord
 from service.scenes.validation import find_group, joined_group
@@ -25,7 +26,7 @@ async def planned_motions(
     """
     motions: list[PlannedMotion] = []
     for i, plan in enumerate(plans):
-        job = await jobs.job("plan", plan)
+        job = await read_plan(jobs, plan)
         motion, request = motion_of(job), work_of(job).request
         if request.scene != record.id:
             message = f"plans.{i}: plan {plan} is of scene {request.scene}, not of {record.id}"

@@ -5,6 +5,7 @@ from service.executions.motions.gripper_move import GripperMove
 from service.executions.motions.plans_together import PlansTogether
 from service.executions.requests import ExecutionRequest
 from service.jobs.service import JobService
+from service.plans.plan_job import read_plan
 from service.plans.resource import motion_of, work_of
 
 
@@ -26,5 +27,5 @@ async def asked_motion(request: ExecutionRequest, jobs: JobService) -> AskedMoti
 
 
 async def _planned(plan: str, jobs: JobService) -> PlannedMotion:
-    job = await jobs.job("plan", plan)
+    job = await read_plan(jobs, plan)
     return PlannedMotion(work_of(job), motion_of(job))

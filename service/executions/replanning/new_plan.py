@@ -7,6 +7,7 @@ from service.jobs.job import IdempotencyKey, Job
 from service.jobs.service import JobService
 from service.plans.models.goals import JointGoal
 from service.plans.models.request import PlanRequest
+from service.plans.plan_job import read_plan
 from service.plans.resource import motion_of
 from service.plans.submit import PlanTerms, plan_spec
 from service.scenes.store.scene_store import SceneStore
@@ -86,6 +87,6 @@ async def planned_anew(request: PlanRequest, terms: PlanTerms, scenes: SceneStor
     except asyncio.CancelledError:
         await terms.jobs.cancel(job)
         raise
-    found = await terms.jobs.job("plan", job.id)
+    found = await read_plan(terms.jobs, job.id)
     motion_of(found)  # raises if there is none
     return found

@@ -1,7 +1,7 @@
 """JobQueries: reads the record of jobs; no query waits for what writes."""
 
 import json
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
@@ -51,8 +51,11 @@ _WHOLE, _SUMMARY = _jobs_with(bodies), _jobs_with(summaries)
 # Queries are built once: that takes longer than to carry them out.
 _OF_ID = jobs.c.id == bindparam("job_id")
 _ONE_WHOLE, _ONE_SUMMARY = _WHOLE.where(_OF_ID), _SUMMARY.where(_OF_ID)
-_ONE_TEXT = _ONE_SUMMARY.add_columns(type_coerce(bodies.c.result, Text).label("text")).join(
-    bodies, bodies.c.job == jobs.c.id
+_RESULT_TEXT = type_coerce(bodies.c.result, Text).label("text")
+_ONE_TEXT = _ONE_SUMMARY.add_columns(_RESULT_TEXT).join(bodies, bodies.c.job == jobs.c.id)
+_ONE_WHOLE_TEXT = _ONE_WHOLE.with_only_columns(
+    *(column for column in _ONE_WHOLE.selected_columns if column is not bodies.c.result),
+    _RESULT_TEXT,
 )
 _STATE = select(jobs.c.state).where(_OF_ID)
 _OF_JOB = select(events).where(events.c.job == bindparam("job_id"))
@@ -103,6 +106,13 @@ class JobQueries:
         """
         with self._engine.connect() as connection:
             return read_job(connection, identifier)
+
+    def get_read(self, identifier: str, read_result: Callable[[str], Any]) -> Job:
+        """Return a job whose result is what a function reads from its text; raises as `get`."""
+        with self._engine.connect() as connection:
+            columns = _one(connection, _ONE_WHOLE_TEXT, identifier)
+        text = columns.pop("text")
+        return job_of({**columns, "result": None if text is None else read_result(text)})
 
     def text(self, identifier: str) -> JobText:
         """Return a job as lists have it, with its whole result as text; raises as `get`."""

@@ -4,12 +4,12 @@ from anyio import to_thread
 from fastapi import APIRouter, Response
 
 from service.api.dependencies import JobsDep
+from service.api.params import PlanId
 from service.api.responses import problems
 from service.api.strict_route import StrictRoute
 from service.errors import NotFinished, SceneNotKept
 from service.jobs.states import JobState
-from service.plans.bundle.writer import write_bundle
-from service.plans.dependencies import PlanJob
+from service.plans.bundle.writer import bundled_outcome, write_bundle
 from service.plans.tasks import PLAN, REVERSE
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans/{plan}/bundle.zip", tags=["plans"])
@@ -32,11 +32,12 @@ class _Zip(Response):
         **problems(404, 409, 422),
     },
 )
-async def get_bundle(job: PlanJob, jobs: JobsDep) -> Response:
+async def get_bundle(plan: PlanId, jobs: JobsDep) -> Response:
     """Pack a plan that succeeded or failed: request, scene, models' files, result, versions, test.
 
     `wayproof replay bundle.zip` plans it again elsewhere, and says whether the same bytes come out.
     """
+    job = await jobs.job("plan", plan, bundled_outcome)
     if job.state not in _BUNDLED or job.task not in _TASKS:
         evidence = {"id": job.id, "state": job.state, "failure": job.failure}
         raise NotFinished(f"plan {job.id} is {job.state}: there is nothing to replay", evidence)

@@ -7,6 +7,8 @@ from typing import Any
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from service.jobs.job import Job
+from service.jobs.json_steps import decode, members_of
+from service.jobs.json_text import Encoded
 from service.plans.bundle import contents
 from service.plans.bundle.contents import FailureBrief, Manifest
 from service.scenes.store.document_artifact import document_of, files_of
@@ -17,11 +19,20 @@ _NO_TIME = (1980, 1, 1, 0, 0, 0)
 _READABLE = 0o644 << 16
 
 
+def bundled_outcome(text: str) -> dict[str, Any]:
+    """Return what a bundle has of a `PlanOutcome`, with its large `result` as it was written."""
+    return {
+        name: Encoded(part) if name == "result" else decode(part)
+        for name, part in members_of(text)
+        if name in {"result", "digest", "cut_short"}
+    }
+
+
 def write_bundle(job: Job, artifacts: Mapping[str, bytes]) -> bytes:
     """Return the bundle of a plan that succeeded or failed.
 
     Args:
-        job: The plan.
+        job: The plan; its result, if it has one, is a `bundled_outcome`.
         artifacts: All that its task reads, by sha256.
     """
     written = io.BytesIO()
@@ -44,7 +55,8 @@ def _entries(job: Job, artifacts: Mapping[str, bytes]) -> Iterator[tuple[str, st
     )
     yield contents.MANIFEST, manifest.model_dump_json(indent=1) + "\n"
     yield contents.REQUEST, _json(job.payload["request"])
-    yield outcome, _json(job.failure if job.result is None else job.result["result"])
+    # Not indented, which takes a second for each megabyte.
+    yield outcome, f"{job.result['result'].text}\n" if job.result else _json(job.failure)
     yield contents.SCENE, document_of(document).text
     yield contents.WORK, _json(job.payload)
     yield contents.TEST, contents.TEST_TEXT.format(plan=job.id)
