@@ -9,6 +9,7 @@ from fastapi import FastAPI
 from service.api import error_responses as problems
 from service.api import operations
 from service.api.document import openapi
+from service.api.exact_paths import ExactPaths
 from service.api.metrics import MeasureRequests, Metrics
 from service.api.middleware.body_limit import BodyLimit
 from service.api.middleware.client_disconnect import DisconnectWatch
@@ -142,4 +143,5 @@ def create_app(
     # Not by `include_router`, which makes each route once more, and looks each request up twice.
     for router in (*(part.router for part in PARTS), live_socket.router):
         app.router.routes.extend(router.routes)
+    app.router.middleware_stack = ExactPaths(app.router)
     return app

@@ -4,9 +4,9 @@ import dataclasses
 import hashlib
 import math
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, ClassVar, cast, override
 
 import numpy as np
@@ -15,6 +15,9 @@ import numpy as np
 _ROWS = np.dtype(np.int32)
 # Numbers, truth values and text of fixed width. Long doubles have padding bytes.
 _ARRAYS = frozenset("?bBhHiIlLqQefdFDSU")
+# Texts of fewer characters are mostly names.
+_SHORT = 64
+_PACKED = struct.Struct("<d").pack
 # Attribute in which a value of a class with `caches_bytes` keeps its bytes.
 _BYTES_ATTRIBUTE = "_fed_bytes"
 
@@ -129,18 +132,17 @@ def digest(content: Any) -> str:
 
 
 def _feed(buffer: Any, content: Any) -> None:
-    kind = type(content)
     # Most parts of a value are of these types, so these are tested first.
-    if kind is float:
-        buffer.update(b"number" + struct.pack("<d", content))
-    elif kind is str:
-        buffer.update(_text(content))
-    elif kind is tuple:
+    scalar = _SCALARS.get(type(content))
+    if scalar is not None:
+        buffer.update(scalar(content))
+    elif isinstance(content, Value):
+        if content.caches_bytes:
+            buffer.update(_cached_bytes(content))
+        else:
+            _feed_value(buffer, content)
+    elif type(content) is tuple:
         _feed_all(buffer, "list", content)
-    elif kind is int:
-        buffer.update(_integer(content))
-    elif content is None or kind is bool:
-        buffer.update(f"atom{content}".encode())
     else:
         _feed_other(buffer, content)
 
@@ -149,12 +151,8 @@ def _feed_other(buffer: Any, content: Any) -> None:
     match content:
         case np.ndarray():
             _validate_dtype(content)
-            buffer.update(f"array{content.dtype.str}{content.shape}".encode())
-            buffer.update(np.ascontiguousarray(content).tobytes())
-        case Value() if content.caches_bytes:
-            buffer.update(_cached_bytes(content))
-        case Value():
-            _feed_value(buffer, content)
+            buffer.update(_array_header(content.dtype.str, content.shape))
+            buffer.update(content.tobytes())  # in the order of C, whatever its own is
         case Mapping():
             items = [part for key in sorted(content) for part in (key, content[key])]
             _feed_all(buffer, "map", items)
@@ -162,6 +160,11 @@ def _feed_other(buffer: Any, content: Any) -> None:
             _feed_all(buffer, "list", content)
         case _:
             buffer.update(_scalar(content))
+
+
+@lru_cache(256)
+def _array_header(dtype: str, shape: tuple[int, ...]) -> bytes:
+    return f"array{dtype}{shape}".encode()
 
 
 def _validate_dtype(array: Any) -> None:
@@ -173,12 +176,18 @@ def _validate_dtype(array: Any) -> None:
 
 def _feed_value(buffer: Any, content: Any) -> None:
     """Feed the same bytes as a list of all fields' names and contents."""
-    empty = frozenset(name for name in content.left_out_if_empty if not getattr(content, name))
+    left_out = content.left_out_if_empty
+    empty = left_out and frozenset(name for name in left_out if not getattr(content, name))
     kind, fields = _class_header(type(content), empty)
     buffer.update(kind)
     for name, encoded_name in fields:
-        buffer.update(encoded_name)
-        _feed(buffer, getattr(content, name))
+        item = getattr(content, name)
+        scalar = _SCALARS.get(type(item))
+        if scalar is None:
+            buffer.update(encoded_name)
+            _feed(buffer, item)
+        else:
+            buffer.update(encoded_name + scalar(item))
 
 
 @cache
@@ -241,6 +250,10 @@ def _scalar(content: Any) -> bytes:
 
 
 def _text(content: str) -> bytes:
+    return _name(content) if len(content) < _SHORT else _any_text(content)
+
+
+def _any_text(content: str) -> bytes:
     return f"text{len(content)}:{content}".encode("utf-8", "surrogatepass")
 
 
@@ -253,3 +266,23 @@ def _integer(number: int) -> bytes:
     if nearest == number:
         return b"number" + struct.pack("<d", nearest)
     return f"integer{number:x};".encode()
+
+
+def _float(number: float) -> bytes:
+    return b"number" + _PACKED(number)
+
+
+def _atom(content: bool | None) -> bytes:  # noqa: FBT001  (it is content)
+    return b"atomNone" if content is None else b"atomTrue" if content else b"atomFalse"
+
+
+# Names come again and again, in value after value.
+_name = lru_cache(4096)(_any_text)
+# What adds a scalar of exactly this type.
+_SCALARS: Mapping[type[Any], Callable[[Any], bytes]] = {
+    float: _float,
+    str: _text,
+    int: _integer,
+    bool: _atom,
+    type(None): _atom,
+}

@@ -141,10 +141,12 @@ class MeasureRequests:
 
         async def send_timed(message: Message) -> None:
             nonlocal is_answered
-            if message["type"] == "http.response.start":
-                is_answered = True
-                self._metrics.note_request(scope, message["status"], time.perf_counter() - begun)
+            if message["type"] != "http.response.start":
+                await send(message)
+                return
+            is_answered, seconds = True, time.perf_counter() - begun
             await send(message)
+            self._metrics.note_request(scope, message["status"], seconds)
 
         try:
             await self._app(scope, receive, send_timed)

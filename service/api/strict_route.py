@@ -82,12 +82,12 @@ class StrictRoute(APIRoute):
                 require_known_query(request, known)
                 return await handler(strict_request)
             except UnknownName as fault:
-                raise await _located(fault, strict_request) from fault
+                raise await located_in_body(fault, strict_request) from fault
 
         return strict
 
 
-async def _located(fault: UnknownName, request: StrictRequest) -> UnknownName:
+async def located_in_body(fault: UnknownName, request: StrictRequest) -> UnknownName:
     """Return an error that says where in the body the name stands, if it stands there."""
     if "errors" in fault.evidence or not _has_body(request):
         return fault

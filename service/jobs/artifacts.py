@@ -66,6 +66,7 @@ class ArtifactCopies:
         """Keep copies of what a source has in a folder."""
         self.folder = folder
         self.source = source
+        self._bytes = str(artifact_path(folder, ""))
         self._parts: dict[str, tuple[str, ...]] = {}
         self._marked_at: dict[str, float] = {}
 
@@ -89,11 +90,11 @@ class ArtifactCopies:
         if missing:
             contents = await self.source.contents(missing)
             await to_thread.run_sync(self._write, contents)
-        await self._mark(set(wanted) - set(missing))
+        await self._mark([each for each in wanted if each not in missing])
 
     def _missing(self, digests: Iterable[str]) -> list[str]:
         """Return which copies are not there, by names of files, which are quicker than paths."""
-        folder = artifact_path(self.folder, "")
+        folder = self._bytes
         return [each for each in digests if not os.path.isfile(f"{folder}/{each}")]  # noqa: PTH113
 
     def _write(self, contents: Mapping[str, bytes]) -> None:

@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
-from typing import Any, Self
+from functools import cached_property
+from typing import Any, Self, override
 
-from service.jobs.json_text import Encoded
+from service.jobs.json_text import Encoded, decoded
 from service.jobs.states import JobState
 
 FINISHED = "finished"
@@ -194,15 +195,43 @@ class JobText:
     result: Encoded | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LoggedEvent:
-    """An event of a job; numbers count from 1 without gaps."""
+    """An event of a job; numbers count from 1 without gaps.
+
+    Attributes:
+        job: Its id.
+        number: Of the event.
+        type: What kind of event it is.
+        content: Its data, which may be JSON still: most events are recorded and read by nobody.
+        at: When it was recorded (ISO 8601, UTC).
+    """
 
     job: str
     number: int
     type: str
-    data: dict[str, Any]
+    content: Encoded | dict[str, Any]
     at: str
+
+    @override
+    def __eq__(self, other: object) -> bool:
+        """Return whether another event tells the same, whether that was read or not."""
+        if not isinstance(other, LoggedEvent):
+            return NotImplemented
+        return self._place == other._place and self.data == other.data
+
+    @override
+    def __hash__(self) -> int:
+        return hash(self._place)
+
+    @property
+    def _place(self) -> tuple[str, int, str, str]:
+        return self.job, self.number, self.type, self.at
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        """What it tells."""
+        return decoded(self.content)
 
     @property
     def is_last(self) -> bool:

@@ -16,6 +16,11 @@ class Encoded:
     text: str
 
 
+def decoded(data: Encoded | dict[str, Any]) -> dict[str, Any]:
+    """Return an object that may be text still."""
+    return json.loads(data.text) if isinstance(data, Encoded) else data
+
+
 def encode(content: Any) -> str:
     """Return the JSON text of content; numbers that JSON cannot hold become null.
 

@@ -13,7 +13,7 @@ from service.api.event_stream import EVENTS, server_sent
 from service.api.paging import Cursor, Limit, OfScene, before, cursor_of
 from service.api.params import LastEventId
 from service.api.responses import accepted, problems, whole
-from service.api.strict_route import StrictRoute
+from service.api.straight_route import StraightRoute
 from service.api.submission import KeyHeader, Prefer, SubmissionDep, Wait, submission_of
 from service.jobs.job import JobText
 from service.jobs.service import JobService
@@ -27,7 +27,7 @@ from service.plans.resource import graph_of, plan_resource
 from service.plans.submit import submit_plan, submit_reversed
 from service.scenes.dependencies import ScenesDep, scenes_of
 
-router = APIRouter(route_class=StrictRoute, prefix="/v1/plans", tags=["plans"])
+router = APIRouter(route_class=StraightRoute, prefix="/v1/plans", tags=["plans"])
 type OfBatch = Annotated[str | None, Query(max_length=128, description="Only those of this batch")]
 type State = Annotated[JobState | None, Query(description="Only those in this state")]
 

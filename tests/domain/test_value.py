@@ -80,3 +80,12 @@ def test_pose_algebra() -> None:
     assert np.allclose((x_ab @ x_bc).matrix, x_ab.matrix @ x_bc.matrix)
     assert np.allclose((x_ab @ x_ab.inverse).matrix, np.eye(4), atol=1e-12)
     assert np.allclose(Pose.from_matrix(x_ab.matrix).matrix, x_ab.matrix)
+
+
+def test_digests_are_those_of_earlier_versions() -> None:
+    """They are stored beside plans and scenes: how they are made may change, they may not."""
+    pose = Pose(np.array([1.0, 2.0, 3.0]), np.array([1.0, 0.0, 0.0, 0.0]))
+    scalars = (1, -1, 2**70, 1.5, float("inf"), True, None, "", "x" * 100, "\ud800", "arm")
+    turned = np.arange(6.0).reshape(2, 3).T
+    content = (pose, scalars, [turned, np.int32(3)], {"b": (), "a": JointType.REVOLUTE})
+    assert digest(content) == "673b50e3b36a2db46acb0a448a78193af1ce173e10ec9552d1b94cf5497feace"

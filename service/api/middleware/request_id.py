@@ -1,7 +1,7 @@
 """RequestId: `X-Request-ID` in every answer, and in the log records that belong to a request."""
 
 import re
-import uuid
+from secrets import token_hex
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -32,7 +32,7 @@ class RequestId:
             return
         given = Headers(scope=scope).getlist(HEADER)
         is_sane = len(given) == 1 and _SANE.fullmatch(given[0])
-        name = given[0] if is_sane else uuid.uuid4().hex
+        name = given[0] if is_sane else token_hex(16)
         # Not reset: each request is answered by a task of its own, and what handles unexpected
         # errors and logs the access stands around this middleware.
         bind_ids({REQUEST: name, **trace_ids()})

@@ -64,7 +64,7 @@ class Attempts(dict[str, Attempt]):
 
         def use(worker: Worker) -> None:
             attempt.has_begun = True
-            self._scheduler.spawn(self._run(attempt, worker, own))
+            self._scheduler.begin(self._run(attempt, worker, own))
 
         terms = (job.world_digest, job.priority, job.client)
         self._scheduler.request(job.queue, QueueEntry(job.id, own, use, *terms))

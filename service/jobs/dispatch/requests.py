@@ -83,12 +83,12 @@ class JobSubmission:
         """
         drafts = [draft(spec) for spec in specs]
         # In time for what may run twice; a run of what may not waits for its start to be written.
+        # One that has a worker is sent to it here, before the thread that writes takes part of the
+        # interpreter.
         attempts = [
             self._attempts.schedule(drafted.job, {}, text=drafted.payload) for drafted in drafts
         ]
         try:
-            # It is sent to its worker before the thread that writes takes part of the interpreter.
-            await asyncio.sleep(0)
             # Not in this thread: while a locked database is waited for, others are to be stopped.
             written = await self._write(drafts, attempts)
         except BaseException:

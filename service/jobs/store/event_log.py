@@ -7,9 +7,9 @@ from typing import Any
 from sqlalchemy import Connection, Update, bindparam, insert, or_, update
 
 from service.jobs.job import LoggedEvent, PendingEvent
-from service.jobs.json_text import Encoded, encode
+from service.jobs.json_text import Encoded, decoded, encode
 from service.jobs.states import JobState
-from service.jobs.store.queries import decoded, now
+from service.jobs.store.queries import now
 from service.jobs.store.sql.notifications import note_change
 from service.jobs.store.sql.prepared import Prepared
 from service.jobs.store.sql.tables import events, jobs
@@ -64,7 +64,7 @@ def append_events(
     _ADD_EVENT.many(connection, rows)
     note_change(connection, identifier)
     return [
-        LoggedEvent(identifier, first + i, type_, decoded(data), at)
+        LoggedEvent(identifier, first + i, type_, data, at)
         for i, (type_, data) in enumerate(new_events)
     ]
 

@@ -1,6 +1,5 @@
 """JobQueries: reads the record of jobs; no query waits for what writes."""
 
-import json
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -269,17 +268,12 @@ def read_last_event(connection: Connection, identifier: str, type_: str) -> Logg
     """Return the newest event of a type of a job, if there is one."""
     given = {"job_id": identifier, "of_type": type_}
     row = connection.execute(_NEWEST, given).first()
-    return None if row is None else LoggedEvent(**columns_of(row))
+    return None if row is None else _event_of(row)
 
 
 def now() -> str:
     """Return the time as it is recorded (ISO 8601, UTC)."""
     return datetime.now(UTC).isoformat()
-
-
-def decoded(data: Encoded | dict[str, Any]) -> dict[str, Any]:
-    """Return content that may be text already."""
-    return json.loads(data.text) if isinstance(data, Encoded) else data
 
 
 def job_of(columns: Mapping[str, Any]) -> Job:
@@ -318,9 +312,13 @@ def _one(connection: Connection, query: Select[Any], identifier: str) -> dict[st
     return columns_of(row)
 
 
+def _event_of(row: Row[Any]) -> LoggedEvent:
+    return LoggedEvent(row.job, row.number, row.type, row.data, row.at)
+
+
 def _events_after(
     connection: Connection, identifier: str, after: int, limit: int | None
 ) -> list[LoggedEvent]:
     query = _AFTER if limit is None else _AFTER.limit(limit)
     rows = connection.execute(query, {"job_id": identifier, "after": after})
-    return [LoggedEvent(**columns_of(row)) for row in rows]
+    return [_event_of(row) for row in rows]

@@ -4,11 +4,12 @@ from sqlalchemy import update
 
 from service.jobs.errors import Overtaken
 from service.jobs.job import Job, JobSpec
+from service.jobs.json_text import decoded
 from service.jobs.outline import without
 from service.jobs.states import JobState
 from service.jobs.store.entries import lock_entries, read_entries, write_released
 from service.jobs.store.job_store import JobStore
-from service.jobs.store.queries import decoded, read_job
+from service.jobs.store.queries import read_job
 from service.jobs.store.sql.notifications import note_change
 from service.jobs.store.sql.tables import bodies, jobs, summaries
 from service.jobs.task import outline_of

@@ -65,6 +65,7 @@ class ProcessWorker:
         self._is_ready = asyncio.Event()
         self._supervisor: asyncio.Task[None] | None = None
         self._token = 0
+        self._has_run = False
         self._termination: Termination | None = None
         self._running_in: WorkerProcess | None = None
 
@@ -78,7 +79,13 @@ class ProcessWorker:
         self._supervisor = asyncio.get_running_loop().create_task(self._supervise(warm_up))
 
     async def ready(self) -> None:
-        """Wait for a warm process."""
+        """Wait for a warm process; one that keeps too much of what it ran is replaced."""
+        process, bound = self._process, self._terms.memory
+        # Not when a run ends, for somebody waits for that.
+        if self._has_run and process is not None and bound is not None:
+            self._has_run = False
+            if resident(process.pid) > bound / 2:  # it must not be held against the next
+                self._kill(process)
         await self._is_ready.wait()
 
     async def bring(self, artifacts: Sequence[str]) -> None:
@@ -90,7 +97,7 @@ class ProcessWorker:
         """Run a task to its end."""
         termination = self._termination = Termination(run.time_limit)
         try:
-            await self._is_ready.wait()
+            await self.ready()
             is_canceled = termination.is_canceled
             return Terminated() if is_canceled else await self._run(run, termination)
         finally:
@@ -139,19 +146,8 @@ class ProcessWorker:
             raise
         finally:
             watch.end()
-            self._running_in = None
-        return outcome if bound is None else self._check_memory(bound, watch, outcome, process)
-
-    def _check_memory(
-        self, bound: int, watch: MemoryWatch, outcome: Outcome, process: WorkerProcess
-    ) -> Outcome:
-        """Return what an outcome means where memory has a bound [bytes]."""
-        if resident(process.pid) > bound / 2:  # what it keeps must not be held against the next
-            self._kill(process)
-        is_refused = isinstance(outcome, Crashed) and outcome.reason == "MemoryError"
-        if is_refused or (watch.is_exceeded and not isinstance(outcome, Returned)):
-            return MemoryExceeded(watch.used, bound)
-        return outcome
+            self._running_in, self._has_run = None, True
+        return outcome if bound is None else _within(bound, watch, outcome)
 
     async def _read_messages(
         self, process: WorkerProcess, run: Assignment, termination: Termination
@@ -235,6 +231,14 @@ async def _leave_forkserver(pid: int | None, num_stillborn: int) -> None:
     told = "%d worker processes in a row died before they were ready: the forkserver %s is replaced"
     _log.error(told, num_stillborn, pid)
     await leave_forkserver(pid)
+
+
+def _within(bound: int, watch: MemoryWatch, outcome: Outcome) -> Outcome:
+    """Return what an outcome means where memory has a bound [bytes]."""
+    is_refused = isinstance(outcome, Crashed) and outcome.reason == "MemoryError"
+    if is_refused or (watch.is_exceeded and not isinstance(outcome, Returned)):
+        return MemoryExceeded(watch.used, bound)
+    return outcome
 
 
 @cache

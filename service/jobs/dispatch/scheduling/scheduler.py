@@ -16,6 +16,8 @@ from service.jobs.dispatch.scheduling.worker_pool import WorkerPool
 from service.jobs.errors import QueueFull
 from service.jobs.worker.assignment import Worker
 
+# Until a worker is seen to that was given back while nothing waits [s].
+_NO_HURRY = 0.002
 _log = logging.getLogger(__name__)
 
 
@@ -44,6 +46,8 @@ class Scheduler:
         self._pools = list({id(queue.pool): queue.pool for queue in queues.values()}.values())
         self._tasks: set[asyncio.Task[Any]] = set()
         self._timers: dict[str, asyncio.TimerHandle] = {}
+        self._returned: list[tuple[JobQueue, Worker]] = []
+        self._taking_back: asyncio.TimerHandle | None = None
         self._is_closed = False
         self._is_paused = self._is_held = False
 
@@ -89,6 +93,7 @@ class Scheduler:
     async def close(self) -> None:
         """End everything that runs, and all workers."""
         self._is_closed = True
+        self._take_back()
         for timer in self._timers.values():
             timer.cancel()
         for task in list(self._tasks):
@@ -141,16 +146,36 @@ class Scheduler:
 
     def request(self, name: str, entry: QueueEntry) -> None:
         """Have an entry wait in a queue; what uses its worker must `release` it."""
+        if self._returned:
+            self._take_back()
         queue = self._queues[name]
         queue.add(entry)
         self._assign(queue)
 
     def release(self, name: str, worker: Worker, seconds: float) -> None:
-        """Give a worker back after a run; it is used again once it is ready."""
+        """Give a worker back after a run; it is used again once it is ready.
+
+        If nothing waits, that is seen to a moment later, or when something comes: whoever waits for
+        the end of the run is told before, and has the processor until then.
+        """
         queue = self._queues[name]
         queue.end_run(worker, _now(), seconds)
-        self.spawn(self._await_ready(queue.pool, worker))
-        self._assign(queue)
+        self._returned.append((queue, worker))
+        if any(other.num_waiting for other in self._queues.values()):
+            self._take_back()
+        elif self._taking_back is None and not self._is_closed:
+            loop = asyncio.get_running_loop()
+            self._taking_back = loop.call_later(_NO_HURRY, self._take_back)
+
+    def _take_back(self) -> None:
+        """Have the workers used that were given back."""
+        if self._taking_back is not None:
+            self._taking_back.cancel()
+            self._taking_back = None
+        returned, self._returned = self._returned, []
+        for queue, worker in returned:
+            self.spawn(self._await_ready(queue.pool, worker))
+            self._assign(queue)
 
     def return_worker(self, name: str, worker: Worker) -> None:
         """Take a worker back that was not used."""
@@ -165,6 +190,17 @@ class Scheduler:
             return
         # What happens to begin it (a request, the end of another job) is no part of it.
         self.keep(asyncio.get_running_loop().create_task(work, context=Context()))
+
+    def begin(self, work: Coroutine[Any, Any, None]) -> None:
+        """Carry out work as `spawn` does, and its first step at once, not in the loop's next round.
+
+        What it does until it first waits happens before this returns.
+        """
+        if self._is_closed:
+            work.close()
+            return
+        loop = asyncio.get_running_loop()
+        self.keep(asyncio.Task(work, loop=loop, context=Context(), eager_start=True))
 
     def keep(self, task: asyncio.Task[Any]) -> None:
         """Hold a task that works in the background; it is canceled when the scheduler closes."""

@@ -9,10 +9,16 @@ from types import SimpleNamespace
 
 import pytest
 
+from service.jobs.dispatch.attempts import Attempts
+from service.jobs.dispatch.conclusion import NoConclusion
 from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
+from service.jobs.dispatch.observer import Observer
 from service.jobs.dispatch.requests import JobSubmission
+from service.jobs.dispatch.scheduling.queue import JobQueue
+from service.jobs.dispatch.scheduling.scheduler import Scheduler
 from service.jobs.errors import DatabaseUnavailable, IdempotencyConflict
 from service.jobs.states import JobState
+from service.jobs.store.drafts import draft
 from service.jobs.store.job_store import JobStore
 from service.jobs.store.sql.database import open_engine
 from service.jobs.worker.thread_worker import ThreadWorker
@@ -203,7 +209,8 @@ def test_a_job_is_on_its_way_to_a_worker_before_the_writer_is_asked():
 
         def seat(_, __, text):
             assert text == "{}"
-            runs.append(asyncio.create_task(send()))
+            # As attempts do, whose first step is taken at once.
+            runs.append(Scheduler({}).begin(send()))
             return Run()
 
         attempts = SimpleNamespace(schedule=seat, num_starting=lambda *_, **__: 0)
@@ -240,3 +247,38 @@ def test_a_job_whose_files_cannot_be_copied_yet_runs_later(tmp_path, monkeypatch
 
     asyncio.run(story())
     assert (tmp_path / "x").exists() is not is_refused
+
+
+def test_a_job_that_is_scheduled_is_with_an_idle_worker_at_once():
+    async def story():
+        runs = []
+
+        class Idle:
+            generation, is_lost, fault = 0, False, None
+
+            async def open(self, _):
+                pass
+
+            async def ready(self):
+                pass
+
+            async def bring(self, _):
+                pass
+
+            async def run(self, run):
+                runs.append(run.task)
+                await asyncio.Event().wait()
+
+            async def close(self):
+                pass
+
+        drafted = draft(spec("touch"))
+        scheduler = Scheduler({drafted.job.queue: JobQueue(drafted.job.queue, [Idle()], 9)})
+        await scheduler.open(None)
+        await asyncio.sleep(0)
+        attempts = Attempts(None, scheduler, Observer(), NoConclusion)
+        attempts.schedule(drafted.job, {})
+        assert runs == [drafted.job.task]
+        await scheduler.close()
+
+    asyncio.run(story())
