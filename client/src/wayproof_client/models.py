@@ -36,7 +36,7 @@ class AddressNotAllowedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 type AnyLimit = (
@@ -113,7 +113,7 @@ class ApproachBlockedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class ApproachFailures(Answer):
@@ -188,7 +188,7 @@ class AssetNotFoundProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class AttachmentDocument(Answer):
@@ -366,7 +366,7 @@ class BodyTooLargeProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Bounds(Answer):
@@ -451,7 +451,7 @@ class CanceledProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Car(Answer):
@@ -812,7 +812,7 @@ class DatabaseTakenProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class DatabaseUnavailableProblem(Answer):
@@ -831,7 +831,7 @@ class DatabaseUnavailableProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class DeadlineEvidence(Answer):
@@ -905,7 +905,7 @@ class DeadlineExceededProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Deviation(Answer):
@@ -940,7 +940,7 @@ class DiskFullProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Displacement(Answer):
@@ -981,7 +981,9 @@ class DocumentFault(Answer):
     line: int | None = None
     """Line in the text, from 1; null where it is not known."""
     nearest: list[str] | None = None
-    """Names that were perhaps meant, the nearest first."""
+    """Names or values that were perhaps meant, the nearest first."""
+    parameter: str | None = None
+    """Name of the parameter of the query, the path or the headers; absent for the body."""
     type: str | None = None
     """Kind of the fault, as the library calls it that checks documents."""
 
@@ -1605,7 +1607,7 @@ class GoalInCollisionProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class GoalLimitsEvidence(Answer):
@@ -1652,7 +1654,7 @@ class GoalOutOfLimitsProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class GoalTooNearFailure(Answer):
@@ -1688,7 +1690,7 @@ class GoalTooNearProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class GoalUnreachableFailure(Answer):
@@ -1724,7 +1726,7 @@ class GoalUnreachableProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class GoalViolatesConstraintFailure(Answer):
@@ -1760,7 +1762,7 @@ class GoalViolatesConstraintProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class GoalsReport(Answer):
@@ -1879,7 +1881,7 @@ class GraspMissedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class GripDocument(Answer):
@@ -2076,7 +2078,7 @@ class HostLostProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class HostNotAllowedProblem(Answer):
@@ -2095,7 +2097,7 @@ class HostNotAllowedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class HttpErrorProblem(Answer):
@@ -2114,7 +2116,7 @@ class HttpErrorProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class IdempotencyConflictProblem(Answer):
@@ -2133,7 +2135,7 @@ class IdempotencyConflictProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class IdempotencyEvidence(Answer):
@@ -2268,7 +2270,7 @@ class IllegalTransitionProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class InUseEvidence(Answer):
@@ -2324,7 +2326,7 @@ class InternalErrorProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Interpolation(Answer):
@@ -2554,7 +2556,7 @@ class LineBlockedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class LineEvidence(Answer):
@@ -2750,7 +2752,7 @@ class MemoryLimitExceededProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class MeshDocument(Answer):
@@ -2786,7 +2788,7 @@ class MethodNotAllowedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Model(Answer):
@@ -2864,7 +2866,7 @@ class ModelInvalidProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class ModelList(Answer):
@@ -3058,7 +3060,7 @@ class NoPathFoundProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class NoRegionsEvidence(Answer):
@@ -3092,7 +3094,7 @@ class NoRegionsProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class NoTrajectoryEvidence(Answer):
@@ -3122,7 +3124,7 @@ class NoTrajectoryProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class NotCertifiedFailure(Answer):
@@ -3158,7 +3160,7 @@ class NotCertifiedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class NotFoundFailure(Answer):
@@ -3194,7 +3196,7 @@ class NotFoundProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class NotReadyProblem(Answer):
@@ -3213,7 +3215,7 @@ class NotReadyProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class ObjectDocument(Answer):
@@ -3293,7 +3295,7 @@ class OriginNotAllowedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class OtherFailure(Answer):
@@ -3329,7 +3331,7 @@ class OtherProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Pair(Answer):
@@ -3873,9 +3875,12 @@ class ProblemError(Answer):
     message: str
     """What is wrong there, for a person."""
     nearest: list[str]
-    """Names that were perhaps meant, the nearest first."""
+    """Names or values that were perhaps meant, the nearest first."""
     pointer: str
     """JSON pointer into the body; empty for its root and for parameters."""
+    parameter: str = ""
+    """Name of the parameter of the query, the path or the headers that is wrong; absent where
+    the body is."""
 
 
 class ProblemFieldEvidence(Answer):
@@ -3918,7 +3923,7 @@ class ProblemInvalidProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class ProgressData(Answer):
@@ -3976,7 +3981,7 @@ class QueueFullProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class QueueTimeoutEvidence(Answer):
@@ -4008,7 +4013,7 @@ class QueueTimeoutProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class QueuedEvent(Answer):
@@ -4047,7 +4052,7 @@ class RateLimitedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Readiness(Answer):
@@ -4515,7 +4520,7 @@ class RequestInvalidProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class RequestTimeoutProblem(Answer):
@@ -4534,7 +4539,7 @@ class RequestTimeoutProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class RequeuedData(Answer):
@@ -4575,7 +4580,7 @@ class ResourceInUseProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class RestartEvidence(Answer):
@@ -4750,7 +4755,7 @@ class RetimingFailedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class RevisionConflictProblem(Answer):
@@ -4769,7 +4774,7 @@ class RevisionConflictProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class RevisionEvidence(Answer):
@@ -4797,7 +4802,7 @@ class RevisionMismatchProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Roadmap(Answer):
@@ -4858,7 +4863,7 @@ class RobotBusyProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class RobotDocument(Answer):
@@ -4939,7 +4944,7 @@ class RobotStateUnknownProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 type RobotStatus = Literal["at_rest", "moving", "unknown"] | str
@@ -5131,7 +5136,7 @@ class SceneEditImpossibleProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class SceneFaultEvidence(Answer):
@@ -5182,7 +5187,7 @@ class SceneInvalidProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class SceneNotKeptProblem(Answer):
@@ -5201,7 +5206,7 @@ class SceneNotKeptProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class ScenePage(Answer):
@@ -5270,7 +5275,7 @@ class ScheduleNotFoundProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class ScopeEvidence(Answer):
@@ -5298,7 +5303,7 @@ class ScopeMissingProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Search(Answer):
@@ -5512,7 +5517,7 @@ class ServerStoppingProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class ShapeDocument(Answer):
@@ -5690,7 +5695,7 @@ class StartInCollisionProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class StartLimitsEvidence(Answer):
@@ -5748,7 +5753,7 @@ class StartMismatchProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class StartOutOfLimitsFailure(Answer):
@@ -5784,7 +5789,7 @@ class StartOutOfLimitsProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class StartTooNearFailure(Answer):
@@ -5820,7 +5825,7 @@ class StartTooNearProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class StartViolatesConstraintFailure(Answer):
@@ -5856,7 +5861,7 @@ class StartViolatesConstraintProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class StartedEvent(Answer):
@@ -6187,7 +6192,7 @@ class UnauthorizedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class UncheckedPair(Answer):
@@ -6219,7 +6224,7 @@ class UnknownJobProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class UnknownNameFailure(Answer):
@@ -6255,7 +6260,7 @@ class UnknownNameProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class UnknownResourceEvidence(Answer):
@@ -6289,7 +6294,7 @@ class UnreadableBodyProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class UnreadableEvidence(Answer):
@@ -6319,7 +6324,7 @@ class UnsupportedMediaTypeProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class UrRtdeDriver(Answer):
@@ -6522,7 +6527,7 @@ class WorkerCrashedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class WorkerSilentEvidence(Answer):
@@ -6569,7 +6574,7 @@ class WorkerUnresponsiveProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class WrongJointCountProblem(Answer):
@@ -6588,4 +6593,4 @@ class WrongJointCountProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""

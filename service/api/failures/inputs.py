@@ -15,10 +15,12 @@ class DocumentFault(TypedDict):
     """Place of the fault, as names and numbers with dots"""
     pointer: str
     """Place of the fault as a JSON pointer (RFC 6901); empty for the root and for parameters"""
+    parameter: NotRequired[str]
+    """Name of the parameter of the query, the path or the headers; absent for the body"""
     message: str
     """What is wrong there, for a person"""
     nearest: NotRequired[list[str]]
-    """Names that were perhaps meant, the nearest first"""
+    """Names or values that were perhaps meant, the nearest first"""
     line: NotRequired[int | None]
     """Line in the text, from 1; null where it is not known"""
     type: NotRequired[str]
