@@ -146,6 +146,12 @@ def error_of(outcome: Failed, attempts: int) -> WayproofError:
             return _without_worker(outcome, attempts)
 
 
+def signal_name(number: int) -> str:
+    """Return the name of a signal, such as `SIGSEGV`."""
+    known = {int(item): item.name for item in signal.Signals}
+    return known.get(number, f"signal {number}")
+
+
 def failure_of(error: WayproofError) -> dict[str, Any]:
     """Return the `failure` that a job shows for an error."""
     return {
@@ -224,11 +230,7 @@ def _without_worker(outcome: MemoryExceeded | Crashed | Lost, attempts: int) -> 
 
 def _crash(crash: Crashed, attempts: int) -> WorkerCrashed:
     code = crash.exit_code
-    name = None
-    if code is not None and code < 0:
-        number = -code
-        known = {int(item): item.name for item in signal.Signals}
-        name = known.get(number, f"signal {number}")
+    name = signal_name(-code) if code is not None and code < 0 else None
     how = crash.reason or (f"by {name}" if name else f"with exit code {code}")
     times = "once" if attempts == 1 else f"{attempts} times"
     evidence = {"attempts": attempts, "exit_code": code, "signal": name, "reason": crash.reason}
