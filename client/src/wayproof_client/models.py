@@ -852,6 +852,8 @@ class DeadlineEvidence(Answer):
     goal_distance: float | None = None
     """In the stage `search`, distance from the nearest configuration to a goal, as a length in
     joint space [rad or m]."""
+    grace: float | None = None
+    """Time beyond it after which a worker that had not ended was ended [s]."""
     graph: dict[str, Any] | None = None
     """In the stage `search`, graph that the planner explored, if the request wants it."""
     max_trials: int | None = None

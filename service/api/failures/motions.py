@@ -69,6 +69,8 @@ class DeadlineEvidence(TypedDict):
 
     allowed: NotRequired[float]
     """Time that was allowed [s]"""
+    grace: NotRequired[float]
+    """Time beyond it after which a worker that had not ended was ended [s]"""
     during: NotRequired[str]
     """Work during which the time ran out"""
     waited: NotRequired[float]
