@@ -204,6 +204,26 @@ class AttachmentDocument(Answer):
     that they carry outside the robot's default group, such as fingers."""
 
 
+type AttemptOutcome = (
+    Literal[
+        "solved",
+        "collides",
+        "setup",
+        "improving",
+        "Approximate solution",
+        "Exact solution",
+        "Timeout",
+        "Invalid start",
+        "Invalid goal",
+        "Unrecognized goal type",
+        "Crash",
+        "Unknown status",
+    ]
+    | str
+)
+"""Outcomes of a search's tries."""
+
+
 class AttemptReport(Answer):
     """Outcome of one attempt at a solution."""
 
@@ -213,7 +233,7 @@ class AttemptReport(Answer):
     """Length of its solution, after shortcutting [rad or m]."""
     num_states_checked: int
     """Configurations checked for collision."""
-    outcome: str
+    outcome: AttemptOutcome
     """`solved`, `collides` (on a closer look), `setup` (setting the planner up took longer than
     it may), or how it ended."""
     planner: str
@@ -579,7 +599,7 @@ class Check(Answer):
     none, for example where a search for it ended at once."""
     time: float
     """Time of the worst value [s]; not the first instant at which a check fails."""
-    unit: str
+    unit: CheckUnit
     """Unit of value, bound and resolution; `1` for peak over limit."""
     value: float | None
     """Worst value that was found, in `unit`; null for none. A check that failed may have worse
@@ -593,6 +613,12 @@ class CheckResponse(Answer):
 
     results: list[Verdict]
     """Verdicts in the order of the configurations."""
+
+
+type CheckUnit = (
+    Literal["1", "rad or m", "rad/s or m/s", "rad", "m", "m/s", "m/s^2", "s", "faults"] | str
+)
+"""Units of checks."""
 
 
 class ClearanceObjective(Answer):
@@ -785,6 +811,29 @@ class CountedViolation(Answer):
     """Goal configurations."""
     least: ConstraintViolation
     """The least violation among them."""
+
+
+type CutStage = (
+    Literal[
+        "load",
+        "goals",
+        "line",
+        "roadmap",
+        "search",
+        "refine",
+        "retime",
+        "schedule",
+        "certify",
+        "explain",
+        "samples",
+        "regions",
+        "execute",
+        "shortcut",
+        "interpolate",
+    ]
+    | str
+)
+"""Stages that a deadline may cut short."""
 
 
 class DatabaseTakenEvidence(Answer):
@@ -1355,7 +1404,7 @@ class FailedCheck(Answer):
     """The group's positions at that time [rad or m]."""
     time: float | None = None
     """Time on the motion at which the value is worst [s]."""
-    unit: str | None = None
+    unit: CheckUnit | None = None
     """Unit of value and bound; `1` for a number without one."""
 
 
@@ -2151,6 +2200,8 @@ class IdempotencyEvidence(Answer):
     """Id of the plan, the regions or the execution."""
     scene: str | None = None
     """Id of the scene."""
+    webhook: str | None = None
+    """Id of the webhook."""
 
 
 class Ik(Answer):
@@ -2930,10 +2981,16 @@ class MotionSchedule(Answer):
     """All motions as one, if the request wants it."""
 
 
+type MotionlessState = (
+    Literal["queued", "running", "succeeded", "failed", "canceled", "unmoved"] | str
+)
+"""States of what has no motion to give."""
+
+
 class NameEvidence(Answer):
     """A name that does not exist."""
 
-    kind: str
+    kind: NameKind
     """Kind of the name, such as `frame`."""
     known: list[str]
     """Names that exist."""
@@ -2943,6 +3000,34 @@ class NameEvidence(Answer):
     """Known names that were perhaps meant, the nearest first."""
     operation: int | None = None
     """Index of the operation of an edit, from 0."""
+
+
+type NameKind = (
+    Literal[
+        "body",
+        "configuration",
+        "controller",
+        "derivative",
+        "frame",
+        "group",
+        "joint",
+        "joint or block",
+        "link",
+        "object",
+        "parameter",
+        "part",
+        "planar joint",
+        "planar or floating joint",
+        "planner",
+        "position",
+        "query parameter",
+        "robot",
+        "scene robot",
+        "space",
+    ]
+    | str
+)
+"""Kinds of names that may not exist."""
 
 
 class NearestConfigurationEvidence(Answer):
@@ -3106,7 +3191,7 @@ class NoTrajectoryEvidence(Answer):
     """Reason why it has no motion, if it ended without one."""
     id: str | None = None
     """Id of the plan."""
-    state: str | None = None
+    state: MotionlessState | None = None
     """State of the plan."""
 
 
@@ -3582,7 +3667,7 @@ class PlanResult(Answer):
     """Change of the given start by clipping, at most 1e-6 [rad or m]."""
     certificate: Certificate | None = None
     """The proof."""
-    cut_short: list[str] | None = None
+    cut_short: list[CutStage] | None = None
     """Stages that ended early because of the clock, by their names in `timings`; their results
     may be different another time. Empty if the same request gives the same numbers again,
     except `timings`; null if made by a version that did not record it."""
@@ -3959,7 +4044,7 @@ class QueueFullEvidence(Answer):
 
     bound: int
     """Number of jobs that may wait."""
-    queue: str
+    queue: QueueName
     """Name of the queue."""
     retry_after: float
     """Time after which to ask again [s]."""
@@ -3986,10 +4071,14 @@ class QueueFullProblem(Answer):
     """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
+type QueueName = Literal["plan", "query", "execution", "regions"] | str
+"""Queues of jobs and questions."""
+
+
 class QueueTimeoutEvidence(Answer):
     """Time that a question waited for a worker."""
 
-    queue: str
+    queue: QueueName
     """Name of the queue."""
     queued: int
     """Number of questions that wait there."""
@@ -4136,7 +4225,7 @@ class RefineReport(Answer):
     """Reason why it was not delivered, or empty."""
     rounds: int
     """Number of steps tried, each a convex program; of `drake` nonlinear programs."""
-    solver: str
+    solver: RefineSolver
     """Name of the solver, or empty."""
     after: ObjectiveValues | None = None
     """Objectives of the motion that is delivered; null as for `before`."""
@@ -4146,6 +4235,48 @@ class RefineReport(Answer):
     shortfall: float | None = None
     """Shortfall of the clearance from the preferred one, on average over the motion [m]; null
     if none was preferred or nothing was refined."""
+
+
+type RefineSolver = Literal["interior point", "Clarabel", "SNOPT", ""] | str
+"""Solvers of refinement, or none."""
+
+type RefusedEvent = (
+    Literal[
+        "start",
+        "succeed",
+        "fail",
+        "cancel",
+        "requeue",
+        "pause",
+        "resume",
+        "set_speed",
+        "stopped",
+        "lose",
+        "steer",
+        "delete",
+    ]
+    | str
+)
+"""Events of jobs and executions."""
+
+type RefusingState = (
+    Literal[
+        "queued",
+        "running",
+        "succeeded",
+        "failed",
+        "canceled",
+        "accepted",
+        "executing",
+        "paused",
+        "canceling",
+        "aborting",
+        "aborted",
+        "at its end",
+    ]
+    | str
+)
+"""States of jobs and executions that refuse an event."""
 
 
 class Region(Answer):
@@ -4706,7 +4837,7 @@ class RetimingEvidence(Answer):
     """Least duration that the limits allow [s]."""
     limit: str | None = None
     """Name of the limit that is too low."""
-    method: str | None = None
+    method: RetimingMethod | None = None
     """Method of timing."""
     missed: float | None = None
     """Distance by which the method missed the end of the path [rad or m]."""
@@ -4758,6 +4889,10 @@ class RetimingFailedProblem(Answer):
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
     """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
+
+
+type RetimingMethod = Literal["toppra", "ruckig"] | str
+"""Methods of timing."""
 
 
 class RevisionConflictProblem(Answer):
@@ -5283,9 +5418,9 @@ class ScheduleNotFoundProblem(Answer):
 class ScopeEvidence(Answer):
     """Scope that a key lacks."""
 
-    needed: str
+    needed: ScopeName
     """The scope that the operation needs."""
-    scopes: list[str]
+    scopes: list[ScopeName]
     """Scopes of the key."""
 
 
@@ -5306,6 +5441,10 @@ class ScopeMissingProblem(Answer):
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
     """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
+
+
+type ScopeName = Literal["read", "plan", "execute", "admin"] | str
+"""Scopes of keys."""
 
 
 class Search(Answer):
@@ -6161,11 +6300,11 @@ class Trajectory(Answer):
 class TransitionEvidence(Answer):
     """Event that a state does not allow."""
 
-    event: str
+    event: RefusedEvent
     """Event that was requested."""
-    legal: list[str]
+    legal: list[RefusedEvent]
     """Events that are allowed in that state."""
-    state: str
+    state: RefusingState
     """State at present."""
 
 

@@ -4,6 +4,7 @@ from typing import NotRequired, TypedDict
 
 from pydantic import with_config
 
+from service.api.document.known_values import NameKind
 from service.api.failures.parts import OPEN
 
 
@@ -115,7 +116,7 @@ class ProblemFieldEvidence(TypedDict):
 class NameEvidence(TypedDict):
     """A name that does not exist."""
 
-    kind: str
+    kind: NameKind
     """Kind of the name, such as `frame`"""
     name: str
     """Name that was given"""
