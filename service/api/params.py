@@ -1,4 +1,7 @@
-"""Parameters that several endpoints take, and a check that a query has no others."""
+"""Parameters that several endpoints take, and a check that a query has no others.
+
+What models of queries would do instead, and cost: docs/decisions/0086.
+"""
 
 from collections.abc import Collection
 from typing import Annotated
