@@ -292,7 +292,7 @@ def status_of(error: WayproofError) -> int:
 
 
 def problem_of(code: str, status: int, detail: str, evidence: Evidence) -> dict[str, Any]:
-    """Return the problem document of a refusal; `errors` says where in the body something is wrong.
+    """Return the problem document of a refusal; `errors` says where something is wrong.
 
     They are the `errors` of the evidence, or its `faults`, which say more, or its one `pointer`.
     """
@@ -316,4 +316,5 @@ def _error_of(fault: Any) -> dict[str, Any]:
     """Return what `errors` says of a fault of the body or of a parameter."""
     pointer, message = fault["pointer"], fault["message"]
     shown = message if pointer else f"{fault['path']}: {message}"
-    return {"pointer": pointer, "message": shown, "nearest": fault.get("nearest", [])}
+    error = {"pointer": pointer, "message": shown, "nearest": fault.get("nearest", [])}
+    return {**error, "parameter": fault["parameter"]} if "parameter" in fault else error

@@ -15,7 +15,7 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from planning.errors import WayproofError
-from planning.world.documents.document_faults import Fault, faults_of, message_of
+from planning.world.documents.document_faults import Fault, faults_of, value_fault
 from service.api.middleware.request_id import HEADER, request_id
 from service.api.middleware.response_headers import guard_headers
 from service.api.strict_route import CarriedRefusal, body_schema
@@ -113,7 +113,7 @@ def _told(
     around = {} if body is None else {"body": body}
     return [
         *faults_of(of_body, around, whole),
-        *(Fault(tuple(fault["loc"]), message_of(fault), fault["type"]) for fault in others),
+        *(value_fault(tuple(fault["loc"]), fault) for fault in others),
     ]
 
 
@@ -122,7 +122,8 @@ def _shown(fault: Fault) -> dict[str, Any]:
     place = fault.steps[0] if fault.steps else "body"
     pointer = fault.pointer.removeprefix("/body") if place == "body" else ""
     shown = {"path": fault.path, "pointer": pointer, "message": fault.message, "type": fault.type}
-    return {**shown, "nearest": list(fault.nearest)}
+    parameter = {} if place == "body" else {"parameter": str(fault.steps[1])}
+    return {**shown, **parameter, "nearest": list(fault.nearest)}
 
 
 def _on_error(_: Request, error: Exception) -> ProblemResponse:

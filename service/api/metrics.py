@@ -45,6 +45,13 @@ class Metrics(Observer):
             "wayproof_job_failures", "Jobs that ended here without a result.", ("queue", "code"),
             registry=every,
         )  # fmt: skip
+        self._crashes = Counter(
+            "wayproof_worker_crashes",
+            "Runs whose worker died, by signal, `exit`, `silence` or `memory`; a second run may "
+            "have succeeded.",
+            ("queue", "reason"),
+            registry=every,
+        )
         self._leads = Gauge(
             "wayproof_is_leader", "1 if this server runs the jobs of its database, else 0.",
             registry=every,
@@ -89,6 +96,11 @@ class Metrics(Observer):
         self._waits.labels(queue).observe(waited)
         if was_warm is not None:
             self._worlds.labels(queue, "hit" if was_warm else "miss").inc()
+
+    @override
+    def note_crash(self, queue: str, reason: str) -> None:
+        """Count a worker that died under a run."""
+        self._crashes.labels(queue, reason).inc()
 
     @override
     def note_end(self, job: JobSummary) -> None:

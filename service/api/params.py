@@ -1,4 +1,7 @@
-"""Parameters that several endpoints take, and a check that a query has no others."""
+"""Parameters that several endpoints take, and a check that a query has no others.
+
+What models of queries would do instead, and cost: docs/decisions/0086.
+"""
 
 from collections.abc import Collection
 from typing import Annotated
@@ -42,8 +45,25 @@ def require_known_query(request: Request, known: Collection[str]) -> None:
     """
     for name in request.query_params:
         if name not in known:
-            raise UnknownName.among("query parameter", name[:80], known)
+            raise with_parameter(name, UnknownName.among("query parameter", name[:80], known))
         if len(request.query_params.getlist(name)) > 1:
             message = f"query.{name}: it is given twice"
-            fault = {"path": f"query.{name}", "pointer": "", "message": message}
-            raise RequestInvalid(message, {"faults": [{**fault, "type": "repeated_key"}]})
+            fault = {"path": f"query.{name}", "pointer": "", "parameter": name}
+            fault |= {"message": "it is given twice", "type": "repeated_key"}
+            raise RequestInvalid(message, {"faults": [fault]})
+
+
+def with_parameter(name: str, fault: UnknownName) -> UnknownName:
+    """Return an error with `errors` that say which parameter has a name that does not exist."""
+    evidence, shown = fault.evidence, name[:80]
+    message = f"query.{shown}: {evidence['kind']} {evidence['name']!r} does not exist"
+    error = {"pointer": "", "parameter": shown, "message": message, "nearest": evidence["nearest"]}
+    return UnknownName(fault.detail, {**evidence, "errors": [error]})
+
+
+def located_in_query(fault: UnknownName, request: Request) -> UnknownName:
+    """Return an error that says which parameter of a query says the name, if one does."""
+    for name, text in request.query_params.items():
+        if fault.evidence.get("name") in text.split(","):
+            return with_parameter(name, fault)
+    return fault

@@ -19,7 +19,7 @@ from starlette.types import Message, Receive, Scope, Send
 
 from planning.errors import UnknownName
 from service.api.json_body import RepeatedKey, decode_json
-from service.api.strict_route import StrictRequest, StrictRoute, located_in_body
+from service.api.strict_route import StrictRequest, StrictRoute, located_in_request
 
 _JSON = b"application/json"
 _TRACED = "fastapi.telemetry"
@@ -140,7 +140,7 @@ class StraightRoute(StrictRoute):
         try:
             answer: Response = await self.endpoint(**values)
         except UnknownName as fault:
-            raise await located_in_body(fault, request) from fault
+            raise await located_in_request(fault, request) from fault
         await answer(scope, receive, send)
 
 

@@ -15,7 +15,7 @@ from starlette.types import Scope
 from planning.errors import UnknownName
 from service.api.json_body import RepeatedKey, decode_json
 from service.api.names import located
-from service.api.params import declared_query, require_known_query
+from service.api.params import declared_query, located_in_query, require_known_query
 from service.errors import Refusal, RequestInvalid, UnreadableBody, UnsupportedMediaType, status_of
 
 
@@ -82,15 +82,17 @@ class StrictRoute(APIRoute):
                 require_known_query(request, known)
                 return await handler(strict_request)
             except UnknownName as fault:
-                raise await located_in_body(fault, strict_request) from fault
+                raise await located_in_request(fault, strict_request) from fault
 
         return strict
 
 
-async def located_in_body(fault: UnknownName, request: StrictRequest) -> UnknownName:
-    """Return an error that says where in the body the name stands, if it stands there."""
-    if "errors" in fault.evidence or not _has_body(request):
+async def located_in_request(fault: UnknownName, request: StrictRequest) -> UnknownName:
+    """Return an error that says where in the request the name stands, if it stands there."""
+    if "errors" in fault.evidence:
         return fault
+    if not _has_body(request):
+        return located_in_query(fault, request)
     try:
         document = decode_json(await request.body())
         steps = tuple[str | int, ...]()

@@ -22,8 +22,13 @@ class TaskContext(Protocol):
         """Append an event that the next of its type may replace; the task never waits for it."""
         ...
 
-    def allow(self, seconds: float) -> None:
-        """Have the run ended after so many seconds from now on, and not before."""
+    def allow(self, seconds: float, grace: float = 0.0) -> None:
+        """Have the run ended after so many seconds from now on, and not before.
+
+        Args:
+            seconds: Time that the run may take, as it was asked for [s].
+            grace: Time beyond it in which it may still end by itself [s].
+        """
         ...
 
     def watch(self, silence: float) -> None:

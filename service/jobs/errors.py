@@ -41,7 +41,7 @@ class QueueTimeout(WayproofError):
 class IdempotencyConflict(WayproofError):
     """An idempotency key came again with another request.
 
-    Evidence: `key`, and what it made: `job`, `scene` or `batch`.
+    Evidence: `key`, and what it made: `job`, `scene`, `batch` or `webhook`.
     """
 
     code = "idempotency_conflict"

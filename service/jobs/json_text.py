@@ -1,4 +1,7 @@
-"""JSON texts: how payloads, results and events are kept and sent."""
+"""JSON texts: how payloads, results and events are kept and sent.
+
+Results are written by pydantic; docs/decisions/0086 says why all else is not.
+"""
 
 import json
 import math

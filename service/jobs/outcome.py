@@ -63,14 +63,17 @@ class Crashed:
 
 @dataclass(frozen=True)
 class TimedOut:
-    """Its time had run out [s].
+    """Its time had run out.
 
     Attributes:
+        time_limit: Time that it was allowed [s].
         error: What it said when it was told to end, None if it was ended by force.
+        grace: Time beyond it in which it could have ended by itself [s].
     """
 
     time_limit: float
     error: WayproofError | None = field(default=None, compare=False)
+    grace: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -137,13 +140,19 @@ def error_of(outcome: Failed, attempts: int) -> WayproofError:
             return error if is_own else Canceled("canceled on request")
         case TimedOut(error=DeadlineExceeded() as error):
             return error
-        case TimedOut(time_limit=allowed, error=error):
-            return _late(allowed, error)
+        case TimedOut():
+            return _late(outcome)
         case Silent(seconds=seconds):
             message = f"the worker process said nothing for {seconds:g} s and was ended"
             return WorkerUnresponsive(message, {"silence": seconds, "attempts": attempts})
         case MemoryExceeded() | Crashed() | Lost():
             return _without_worker(outcome, attempts)
+
+
+def signal_name(number: int) -> str:
+    """Return the name of a signal, such as `SIGSEGV`."""
+    known = {int(item): item.name for item in signal.Signals}
+    return known.get(number, f"signal {number}")
 
 
 def failure_of(error: WayproofError) -> dict[str, Any]:
@@ -201,11 +210,15 @@ def interrupted(outcome: Failed, error: WayproofError, reason: str, attempts: in
             return error
 
 
-def _late(allowed: float, said: WayproofError | None) -> DeadlineExceeded:
+def _late(outcome: TimedOut) -> DeadlineExceeded:
     """Return the error of a run that did not end in time, with what it said then."""
+    allowed, grace, said = outcome.time_limit, outcome.grace, outcome.error
     during = said.stage if isinstance(said, PlanningFailure) else WORKER
-    message = f"the task did not end within {allowed:g} s"
-    late = DeadlineExceeded(message, {"allowed": allowed, "during": during}).in_stage(during)
+    message = f"the task did not end within the allowed {allowed:g} s"
+    evidence = {"allowed": allowed, "during": during}
+    if grace > 0.0:
+        message, evidence = f"{message}, nor {grace:g} s later", {**evidence, "grace": grace}
+    late = DeadlineExceeded(message, evidence).in_stage(during)
     late.timings = said.timings if isinstance(said, PlanningFailure) else {}
     return late
 
@@ -224,11 +237,7 @@ def _without_worker(outcome: MemoryExceeded | Crashed | Lost, attempts: int) -> 
 
 def _crash(crash: Crashed, attempts: int) -> WorkerCrashed:
     code = crash.exit_code
-    name = None
-    if code is not None and code < 0:
-        number = -code
-        known = {int(item): item.name for item in signal.Signals}
-        name = known.get(number, f"signal {number}")
+    name = signal_name(-code) if code is not None and code < 0 else None
     how = crash.reason or (f"by {name}" if name else f"with exit code {code}")
     times = "once" if attempts == 1 else f"{attempts} times"
     evidence = {"attempts": attempts, "exit_code": code, "signal": name, "reason": crash.reason}

@@ -9,14 +9,14 @@ from service.queries.models.check import CheckRequest, CheckResponse
 from service.queries.models.kinematics import FkRequest, FkResponse, IkRequest, IkResponse
 from service.queries.models.line import LineRequest, LineResponse
 from service.queries.tasks import CHECK, FK, IK, LINE
-from service.scenes.dependencies import SceneCallsDep
+from service.scenes.dependencies import WITH_REVISION, SceneCallsDep
 from service.scenes.validation import check_request
 
 router = APIRouter(
     route_class=StrictRoute,
     prefix="/v1/scenes/{scene}",
     tags=["queries"],
-    responses=problems(400, 404, 409, 413, 422, 429, 503),
+    responses={200: WITH_REVISION, **problems(400, 404, 409, 413, 422, 429, 503)},
 )
 
 

@@ -1,7 +1,7 @@
 """What endpoints about scenes are handed."""
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import Depends, Response
 from fastapi.requests import HTTPConnection
@@ -28,6 +28,17 @@ async def _scenes(connection: HTTPConnection) -> SceneStore:
 
 type ScenesDep = Annotated[SceneStore, Depends(_scenes)]
 
+REVISION = "wayproof-revision"
+# Of answers to questions about a scene.
+WITH_REVISION: dict[str, Any] = {
+    "headers": {
+        REVISION: {
+            "description": "Revision of the scene that the answer is about",
+            "schema": {"type": "integer"},
+        }
+    }
+}
+
 
 @dataclass(frozen=True)
 class SceneCalls:
@@ -46,6 +57,8 @@ class SceneCalls:
     ) -> Response:
         """Return the answer of a task to a request about a scene, passed on as it is.
 
+        A header says of which revision it is: the latest may be another one by now.
+
         Args:
             task: Of a queue of calls.
             record: Of the scene.
@@ -53,7 +66,8 @@ class SceneCalls:
             size: Number of items: twice as many take longer.
         """
         work = task.payload.about(self.scenes.work(record), request)
-        return passed_on(await self.jobs.call_text(task, work, size))
+        told = await self.jobs.call_text(task, work, size)
+        return passed_on(told, headers={REVISION: str(record.revision)})
 
 
 async def _scene_calls(scenes: ScenesDep, jobs: JobsDep) -> SceneCalls:

@@ -1,6 +1,8 @@
 """/v1/scenes: post, list, show, edit, forget."""
 
-from fastapi import APIRouter, Request, Response
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request, Response
 
 from service.api.dependencies import JobsDep
 from service.api.paging import Cursor, Limit, before, cursor_of
@@ -26,6 +28,11 @@ from service.scenes.resource import edited_response, scene_response
 from service.scenes.tasks import LOAD_SCENE, LoadWork
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/scenes", tags=["scenes"])
+
+type SceneName = Annotated[
+    str | None,
+    Query(max_length=256, description="Name for people of the scenes that are wanted, as it is"),
+]
 
 _WITH_ETAG = {"headers": ETAG_HEADER}
 _UNCHANGED = {"description": "`If-None-Match` names this revision", "headers": ETAG_HEADER}
@@ -55,9 +62,11 @@ async def create_scene(
 
 
 @router.get("", operation_id="listScenes", responses=problems(422))
-async def list_scenes(scenes: ScenesDep, limit: Limit = 50, cursor: Cursor = None) -> ScenePage:
+async def list_scenes(
+    scenes: ScenesDep, limit: Limit = 50, cursor: Cursor = None, name: SceneName = None
+) -> ScenePage:
     """List scenes, newest first."""
-    found, following = await scenes.page(limit, before(cursor))
+    found, following = await scenes.page(limit, before(cursor), name)
     items = [SceneBrief.model_validate(brief) for brief in found]
     return ScenePage(items=items, next=cursor_of(following))
 

@@ -12,7 +12,7 @@ _SENT = (
 )  # fmt: skip
 _READ = (
     "ETag", "Location", "Retry-After", "Server-Timing", "WWW-Authenticate", "X-Request-ID",
-    "wayproof-interpolation",
+    "wayproof-interpolation", "wayproof-revision",
 )  # fmt: skip
 
 

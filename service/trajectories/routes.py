@@ -5,7 +5,7 @@ from fastapi import APIRouter, Response
 from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.plans.models.sampling import IN_QUESTION, require_one_sampling
-from service.scenes.dependencies import SceneCallsDep
+from service.scenes.dependencies import REVISION, WITH_REVISION, SceneCallsDep
 from service.scenes.store.records import SceneRecord
 from service.scenes.validation import check_request
 from service.trajectories.models import (
@@ -26,7 +26,7 @@ router = APIRouter(
     route_class=StrictRoute,
     prefix="/v1/trajectories",
     tags=["trajectories"],
-    responses=problems(400, 404, 409, 413, 422, 429, 503),
+    responses={200: WITH_REVISION, **problems(400, 404, 409, 413, 422, 429, 503)},
 )
 
 
@@ -70,7 +70,8 @@ async def schedule(request: ScheduleMotionsRequest, calls: SceneCallsDep) -> Res
     motions = await planned_motions(calls.jobs, record, request.plans)
     scene = calls.scenes.work(record)
     work = ScheduleWork(library=scene.library, scene=scene.scene, request=request, motions=motions)
-    return passed_on(await calls.jobs.call_text(SCHEDULE, work, len(motions)))
+    told = await calls.jobs.call_text(SCHEDULE, work, len(motions))
+    return passed_on(told, headers={REVISION: str(record.revision)})
 
 
 def _check_transition(

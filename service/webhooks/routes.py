@@ -10,6 +10,7 @@ from service.api.dependencies import SettingsDep
 from service.api.paging import Cursor, Limit, before, cursor_of
 from service.api.responses import problems
 from service.api.strict_route import StrictRoute
+from service.api.submission import KeyHeader
 from service.webhooks.addresses import resolve
 from service.webhooks.models import NewWebhook, Webhook, WebhookPage, WebhookRequest
 from service.webhooks.store import WebhookStore
@@ -31,18 +32,23 @@ type WebhooksDep = Annotated[WebhookStore, Depends(_webhooks)]
     "",
     operation_id="createWebhook",
     status_code=201,
-    responses=problems(400, 413, 422, 503),
+    responses=problems(400, 409, 413, 422, 503),
 )
 async def create_webhook(
-    request: WebhookRequest, webhooks: WebhooksDep, settings: SettingsDep, response: Response
+    request: WebhookRequest,
+    webhooks: WebhooksDep,
+    settings: SettingsDep,
+    response: Response,
+    idempotency_key: KeyHeader = None,
 ) -> NewWebhook:
     """Register an address; it is told what happens from now on, signed with the `secret`.
 
-    Messages are as Standard Webhooks has them, sent again until they are taken.
+    Messages are as Standard Webhooks has them, sent again until they are taken. The same key and
+    request give the same webhook and secret: an answer that was lost is asked for again.
     """
     with suppress(OSError):  # a name may get its address later; each time it is looked at anew
         await resolve(request.url, may_be_private=settings.webhook_private_addresses)
-    record = await to_thread.run_sync(webhooks.add, request.url, request.events)
+    record = await to_thread.run_sync(webhooks.add, request.url, request.events, idempotency_key)
     response.headers["Location"] = f"/v1/webhooks/{record.id}"
     return NewWebhook.model_validate(record)
 

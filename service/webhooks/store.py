@@ -4,14 +4,17 @@ Several servers may send for one webhook: a notice is claimed for a while before
 """
 
 import base64
+import hashlib
 import json
 import secrets
 from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta
 
 from sqlalchemy import Connection, Engine, delete, exists, func, insert, literal, select, update
+from sqlalchemy.exc import IntegrityError
 
 from service.errors import UnknownResource
+from service.jobs.errors import IdempotencyConflict
 from service.jobs.job import LoggedEvent
 from service.jobs.store.sql.database import set_durability
 from service.jobs.store.sql.tables import events
@@ -33,11 +36,29 @@ class WebhookStore:
         # Of enabled webhooks, so that events which none wants cost nothing; None before a look.
         self._wanted: frozenset[str] | None = None
 
-    def add(self, url: str, types: Sequence[str]) -> WebhookRecord:
-        """Return a new webhook with a new secret."""
+    def add(self, url: str, types: Sequence[str], key: str | None = None) -> WebhookRecord:
+        """Return a new webhook with a new secret, or the one that was made by an idempotency key.
+
+        The key gives the id, which one webhook alone can have: whoever comes second finds it.
+
+        Raises:
+            IdempotencyConflict: The key was used for another request.
+        """
+        identifier = f"whk_{secrets.token_hex(8) if key is None else _digest(key)}"
+        try:
+            return self._insert(identifier, url, types)
+        except IntegrityError:
+            if key is None:
+                raise
+        made = self.get(identifier)
+        if (made.url, list(made.events)) != (url, list(types)):
+            raise IdempotencyConflict.of(key, "webhook", identifier)
+        return made
+
+    def _insert(self, identifier: str, url: str, types: Sequence[str]) -> WebhookRecord:
         secret = base64.b64encode(secrets.token_bytes(_SECRET_BYTES)).decode()
         row = {
-            "id": f"whk_{secrets.token_hex(8)}",
+            "id": identifier,
             "url": url,
             "secret": f"whsec_{secret}",
             "events": json.dumps(list(types)),
@@ -48,7 +69,7 @@ class WebhookStore:
             set_durability(connection, is_durable=True)
             connection.execute(insert(webhooks).values(row))
         self.refresh()
-        return self.get(row["id"])
+        return self.get(identifier)
 
     def get(self, identifier: str) -> WebhookRecord:
         """Return a webhook.
@@ -208,6 +229,10 @@ def _message(connection: Connection, notice: Notice) -> Message | None:
         scene=row.scene,
         batch=row.batch,
     )
+
+
+def _digest(key: str) -> str:
+    return hashlib.sha256(key.encode()).hexdigest()[:16]
 
 
 def _at(instant: datetime) -> str:

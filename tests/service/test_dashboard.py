@@ -25,6 +25,7 @@ def labels():
     metrics = Metrics()
     metrics.note_request({"method": "GET"}, 200, 0.1)
     metrics.note_assignment("plan", 0.1, was_warm=True)
+    metrics.note_crash("plan", "SIGSEGV")
     failure = {"code": "no_path_found", "timings": {"search": 1.0}}
     metrics.note_end(SimpleNamespace(queue="plan", failure=failure, result=None))
     text = metrics.exposition({"queued": {"plan": 1}}, {"plan": QueueLoad(1, 1, 1)})

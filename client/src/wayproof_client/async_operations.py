@@ -522,18 +522,21 @@ class AsyncOperations(AsyncCaller):
         )
 
     async def list_scenes(
-        self, *, limit: int | None = None, cursor: str | None = None
+        self, *, limit: int | None = None, cursor: str | None = None, name: str | None = None
     ) -> models.ScenePage:
         """List scenes, newest first."""
         return await self.ask(
-            Call("GET", "/v1/scenes", query={"limit": limit, "cursor": cursor}), models.ScenePage
+            Call("GET", "/v1/scenes", query={"limit": limit, "cursor": cursor, "name": name}),
+            models.ScenePage,
         )
 
-    async def all_scenes(self, *, limit: int | None = None) -> AsyncIterator[models.SceneBrief]:
+    async def all_scenes(
+        self, *, limit: int | None = None, name: str | None = None
+    ) -> AsyncIterator[models.SceneBrief]:
         """List scenes, newest first: all pages."""
         cursor: str | None = None
         while True:
-            page = await self.list_scenes(limit=limit, cursor=cursor)
+            page = await self.list_scenes(limit=limit, name=name, cursor=cursor)
             for item in page.items:
                 yield item
             cursor = page.next
@@ -850,9 +853,14 @@ class AsyncOperations(AsyncCaller):
             if cursor is None:
                 return
 
-    async def create_webhook(self, body: requests.WebhookRequest) -> models.NewWebhook:
+    async def create_webhook(
+        self, body: requests.WebhookRequest, *, idempotency_key: str | None = None
+    ) -> models.NewWebhook:
         """Register an address; it is told what happens from now on, signed with the `secret`."""
-        return await self.ask(Call("POST", "/v1/webhooks", body=body), models.NewWebhook)
+        return await self.ask(
+            Call("POST", "/v1/webhooks", headers={"Idempotency-Key": idempotency_key}, body=body),
+            models.NewWebhook,
+        )
 
     async def delete_webhook(self, webhook: str) -> None:
         """Forget a webhook: it is told nothing more."""

@@ -36,7 +36,7 @@ class AddressNotAllowedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 type AnyLimit = (
@@ -113,7 +113,7 @@ class ApproachBlockedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class ApproachFailures(Answer):
@@ -188,7 +188,7 @@ class AssetNotFoundProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class AttachmentDocument(Answer):
@@ -204,6 +204,26 @@ class AttachmentDocument(Answer):
     that they carry outside the robot's default group, such as fingers."""
 
 
+type AttemptOutcome = (
+    Literal[
+        "solved",
+        "collides",
+        "setup",
+        "improving",
+        "Approximate solution",
+        "Exact solution",
+        "Timeout",
+        "Invalid start",
+        "Invalid goal",
+        "Unrecognized goal type",
+        "Crash",
+        "Unknown status",
+    ]
+    | str
+)
+"""Outcomes of a search's tries."""
+
+
 class AttemptReport(Answer):
     """Outcome of one attempt at a solution."""
 
@@ -213,7 +233,7 @@ class AttemptReport(Answer):
     """Length of its solution, after shortcutting [rad or m]."""
     num_states_checked: int
     """Configurations checked for collision."""
-    outcome: str
+    outcome: AttemptOutcome
     """`solved`, `collides` (on a closer look), `setup` (setting the planner up took longer than
     it may), or how it ended."""
     planner: str
@@ -366,7 +386,7 @@ class BodyTooLargeProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Bounds(Answer):
@@ -451,7 +471,7 @@ class CanceledProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Car(Answer):
@@ -579,7 +599,7 @@ class Check(Answer):
     none, for example where a search for it ended at once."""
     time: float
     """Time of the worst value [s]; not the first instant at which a check fails."""
-    unit: str
+    unit: CheckUnit
     """Unit of value, bound and resolution; `1` for peak over limit."""
     value: float | None
     """Worst value that was found, in `unit`; null for none. A check that failed may have worse
@@ -593,6 +613,12 @@ class CheckResponse(Answer):
 
     results: list[Verdict]
     """Verdicts in the order of the configurations."""
+
+
+type CheckUnit = (
+    Literal["1", "rad or m", "rad/s or m/s", "rad", "m", "m/s", "m/s^2", "s", "faults"] | str
+)
+"""Units of checks."""
 
 
 class ClearanceObjective(Answer):
@@ -787,6 +813,29 @@ class CountedViolation(Answer):
     """The least violation among them."""
 
 
+type CutStage = (
+    Literal[
+        "load",
+        "goals",
+        "line",
+        "roadmap",
+        "search",
+        "refine",
+        "retime",
+        "schedule",
+        "certify",
+        "explain",
+        "samples",
+        "regions",
+        "execute",
+        "shortcut",
+        "interpolate",
+    ]
+    | str
+)
+"""Stages that a deadline may cut short."""
+
+
 class DatabaseTakenEvidence(Answer):
     """Server that has the database."""
 
@@ -812,7 +861,7 @@ class DatabaseTakenProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class DatabaseUnavailableProblem(Answer):
@@ -831,7 +880,7 @@ class DatabaseUnavailableProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class DeadlineEvidence(Answer):
@@ -852,6 +901,8 @@ class DeadlineEvidence(Answer):
     goal_distance: float | None = None
     """In the stage `search`, distance from the nearest configuration to a goal, as a length in
     joint space [rad or m]."""
+    grace: float | None = None
+    """Time beyond it after which a worker that had not ended was ended [s]."""
     graph: dict[str, Any] | None = None
     """In the stage `search`, graph that the planner explored, if the request wants it."""
     max_trials: int | None = None
@@ -905,7 +956,7 @@ class DeadlineExceededProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Deviation(Answer):
@@ -940,7 +991,7 @@ class DiskFullProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Displacement(Answer):
@@ -981,7 +1032,9 @@ class DocumentFault(Answer):
     line: int | None = None
     """Line in the text, from 1; null where it is not known."""
     nearest: list[str] | None = None
-    """Names that were perhaps meant, the nearest first."""
+    """Names or values that were perhaps meant, the nearest first."""
+    parameter: str | None = None
+    """Name of the parameter of the query, the path or the headers; absent for the body."""
     type: str | None = None
     """Kind of the fault, as the library calls it that checks documents."""
 
@@ -1351,7 +1404,7 @@ class FailedCheck(Answer):
     """The group's positions at that time [rad or m]."""
     time: float | None = None
     """Time on the motion at which the value is worst [s]."""
-    unit: str | None = None
+    unit: CheckUnit | None = None
     """Unit of value and bound; `1` for a number without one."""
 
 
@@ -1605,7 +1658,7 @@ class GoalInCollisionProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class GoalLimitsEvidence(Answer):
@@ -1652,7 +1705,7 @@ class GoalOutOfLimitsProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class GoalTooNearFailure(Answer):
@@ -1688,7 +1741,7 @@ class GoalTooNearProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class GoalUnreachableFailure(Answer):
@@ -1724,7 +1777,7 @@ class GoalUnreachableProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class GoalViolatesConstraintFailure(Answer):
@@ -1760,7 +1813,7 @@ class GoalViolatesConstraintProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class GoalsReport(Answer):
@@ -1879,7 +1932,7 @@ class GraspMissedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class GripDocument(Answer):
@@ -2076,7 +2129,7 @@ class HostLostProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class HostNotAllowedProblem(Answer):
@@ -2095,7 +2148,7 @@ class HostNotAllowedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class HttpErrorProblem(Answer):
@@ -2114,7 +2167,7 @@ class HttpErrorProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class IdempotencyConflictProblem(Answer):
@@ -2133,7 +2186,7 @@ class IdempotencyConflictProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class IdempotencyEvidence(Answer):
@@ -2147,6 +2200,8 @@ class IdempotencyEvidence(Answer):
     """Id of the plan, the regions or the execution."""
     scene: str | None = None
     """Id of the scene."""
+    webhook: str | None = None
+    """Id of the webhook."""
 
 
 class Ik(Answer):
@@ -2268,7 +2323,7 @@ class IllegalTransitionProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class InUseEvidence(Answer):
@@ -2324,7 +2379,7 @@ class InternalErrorProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Interpolation(Answer):
@@ -2554,7 +2609,7 @@ class LineBlockedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class LineEvidence(Answer):
@@ -2750,7 +2805,7 @@ class MemoryLimitExceededProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class MeshDocument(Answer):
@@ -2786,7 +2841,7 @@ class MethodNotAllowedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Model(Answer):
@@ -2864,7 +2919,7 @@ class ModelInvalidProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class ModelList(Answer):
@@ -2926,10 +2981,16 @@ class MotionSchedule(Answer):
     """All motions as one, if the request wants it."""
 
 
+type MotionlessState = (
+    Literal["queued", "running", "succeeded", "failed", "canceled", "unmoved"] | str
+)
+"""States of what has no motion to give."""
+
+
 class NameEvidence(Answer):
     """A name that does not exist."""
 
-    kind: str
+    kind: NameKind
     """Kind of the name, such as `frame`."""
     known: list[str]
     """Names that exist."""
@@ -2939,6 +3000,34 @@ class NameEvidence(Answer):
     """Known names that were perhaps meant, the nearest first."""
     operation: int | None = None
     """Index of the operation of an edit, from 0."""
+
+
+type NameKind = (
+    Literal[
+        "body",
+        "configuration",
+        "controller",
+        "derivative",
+        "frame",
+        "group",
+        "joint",
+        "joint or block",
+        "link",
+        "object",
+        "parameter",
+        "part",
+        "planar joint",
+        "planar or floating joint",
+        "planner",
+        "position",
+        "query parameter",
+        "robot",
+        "scene robot",
+        "space",
+    ]
+    | str
+)
+"""Kinds of names that may not exist."""
 
 
 class NearestConfigurationEvidence(Answer):
@@ -3058,7 +3147,7 @@ class NoPathFoundProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class NoRegionsEvidence(Answer):
@@ -3092,7 +3181,7 @@ class NoRegionsProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class NoTrajectoryEvidence(Answer):
@@ -3102,7 +3191,7 @@ class NoTrajectoryEvidence(Answer):
     """Reason why it has no motion, if it ended without one."""
     id: str | None = None
     """Id of the plan."""
-    state: str | None = None
+    state: MotionlessState | None = None
     """State of the plan."""
 
 
@@ -3122,7 +3211,7 @@ class NoTrajectoryProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class NotCertifiedFailure(Answer):
@@ -3158,7 +3247,7 @@ class NotCertifiedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class NotFoundFailure(Answer):
@@ -3194,7 +3283,7 @@ class NotFoundProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class NotReadyProblem(Answer):
@@ -3213,7 +3302,7 @@ class NotReadyProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class ObjectDocument(Answer):
@@ -3293,7 +3382,7 @@ class OriginNotAllowedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class OtherFailure(Answer):
@@ -3329,7 +3418,7 @@ class OtherProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Pair(Answer):
@@ -3578,7 +3667,7 @@ class PlanResult(Answer):
     """Change of the given start by clipping, at most 1e-6 [rad or m]."""
     certificate: Certificate | None = None
     """The proof."""
-    cut_short: list[str] | None = None
+    cut_short: list[CutStage] | None = None
     """Stages that ended early because of the clock, by their names in `timings`; their results
     may be different another time. Empty if the same request gives the same numbers again,
     except `timings`; null if made by a version that did not record it."""
@@ -3873,9 +3962,12 @@ class ProblemError(Answer):
     message: str
     """What is wrong there, for a person."""
     nearest: list[str]
-    """Names that were perhaps meant, the nearest first."""
+    """Names or values that were perhaps meant, the nearest first."""
     pointer: str
     """JSON pointer into the body; empty for its root and for parameters."""
+    parameter: str = ""
+    """Name of the parameter of the query, the path or the headers that is wrong; absent where
+    the body is."""
 
 
 class ProblemFieldEvidence(Answer):
@@ -3918,7 +4010,7 @@ class ProblemInvalidProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class ProgressData(Answer):
@@ -3952,7 +4044,7 @@ class QueueFullEvidence(Answer):
 
     bound: int
     """Number of jobs that may wait."""
-    queue: str
+    queue: QueueName
     """Name of the queue."""
     retry_after: float
     """Time after which to ask again [s]."""
@@ -3976,13 +4068,17 @@ class QueueFullProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
+
+
+type QueueName = Literal["plan", "query", "execution", "regions"] | str
+"""Queues of jobs and questions."""
 
 
 class QueueTimeoutEvidence(Answer):
     """Time that a question waited for a worker."""
 
-    queue: str
+    queue: QueueName
     """Name of the queue."""
     queued: int
     """Number of questions that wait there."""
@@ -4008,7 +4104,7 @@ class QueueTimeoutProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class QueuedEvent(Answer):
@@ -4047,7 +4143,7 @@ class RateLimitedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Readiness(Answer):
@@ -4129,7 +4225,7 @@ class RefineReport(Answer):
     """Reason why it was not delivered, or empty."""
     rounds: int
     """Number of steps tried, each a convex program; of `drake` nonlinear programs."""
-    solver: str
+    solver: RefineSolver
     """Name of the solver, or empty."""
     after: ObjectiveValues | None = None
     """Objectives of the motion that is delivered; null as for `before`."""
@@ -4139,6 +4235,48 @@ class RefineReport(Answer):
     shortfall: float | None = None
     """Shortfall of the clearance from the preferred one, on average over the motion [m]; null
     if none was preferred or nothing was refined."""
+
+
+type RefineSolver = Literal["interior point", "Clarabel", "SNOPT", ""] | str
+"""Solvers of refinement, or none."""
+
+type RefusedEvent = (
+    Literal[
+        "start",
+        "succeed",
+        "fail",
+        "cancel",
+        "requeue",
+        "pause",
+        "resume",
+        "set_speed",
+        "stopped",
+        "lose",
+        "steer",
+        "delete",
+    ]
+    | str
+)
+"""Events of jobs and executions."""
+
+type RefusingState = (
+    Literal[
+        "queued",
+        "running",
+        "succeeded",
+        "failed",
+        "canceled",
+        "accepted",
+        "executing",
+        "paused",
+        "canceling",
+        "aborting",
+        "aborted",
+        "at its end",
+    ]
+    | str
+)
+"""States of jobs and executions that refuse an event."""
 
 
 class Region(Answer):
@@ -4515,7 +4653,7 @@ class RequestInvalidProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class RequestTimeoutProblem(Answer):
@@ -4534,7 +4672,7 @@ class RequestTimeoutProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class RequeuedData(Answer):
@@ -4575,7 +4713,7 @@ class ResourceInUseProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class RestartEvidence(Answer):
@@ -4699,7 +4837,7 @@ class RetimingEvidence(Answer):
     """Least duration that the limits allow [s]."""
     limit: str | None = None
     """Name of the limit that is too low."""
-    method: str | None = None
+    method: RetimingMethod | None = None
     """Method of timing."""
     missed: float | None = None
     """Distance by which the method missed the end of the path [rad or m]."""
@@ -4750,7 +4888,11 @@ class RetimingFailedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
+
+
+type RetimingMethod = Literal["toppra", "ruckig"] | str
+"""Methods of timing."""
 
 
 class RevisionConflictProblem(Answer):
@@ -4769,7 +4911,7 @@ class RevisionConflictProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class RevisionEvidence(Answer):
@@ -4797,7 +4939,7 @@ class RevisionMismatchProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class Roadmap(Answer):
@@ -4858,7 +5000,7 @@ class RobotBusyProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class RobotDocument(Answer):
@@ -4939,7 +5081,7 @@ class RobotStateUnknownProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 type RobotStatus = Literal["at_rest", "moving", "unknown"] | str
@@ -5131,7 +5273,7 @@ class SceneEditImpossibleProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class SceneFaultEvidence(Answer):
@@ -5182,7 +5324,7 @@ class SceneInvalidProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class SceneNotKeptProblem(Answer):
@@ -5201,7 +5343,7 @@ class SceneNotKeptProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class ScenePage(Answer):
@@ -5270,15 +5412,15 @@ class ScheduleNotFoundProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class ScopeEvidence(Answer):
     """Scope that a key lacks."""
 
-    needed: str
+    needed: ScopeName
     """The scope that the operation needs."""
-    scopes: list[str]
+    scopes: list[ScopeName]
     """Scopes of the key."""
 
 
@@ -5298,7 +5440,11 @@ class ScopeMissingProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
+
+
+type ScopeName = Literal["read", "plan", "execute", "admin"] | str
+"""Scopes of keys."""
 
 
 class Search(Answer):
@@ -5512,7 +5658,7 @@ class ServerStoppingProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class ShapeDocument(Answer):
@@ -5690,7 +5836,7 @@ class StartInCollisionProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class StartLimitsEvidence(Answer):
@@ -5748,7 +5894,7 @@ class StartMismatchProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class StartOutOfLimitsFailure(Answer):
@@ -5784,7 +5930,7 @@ class StartOutOfLimitsProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class StartTooNearFailure(Answer):
@@ -5820,7 +5966,7 @@ class StartTooNearProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class StartViolatesConstraintFailure(Answer):
@@ -5856,7 +6002,7 @@ class StartViolatesConstraintProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class StartedEvent(Answer):
@@ -6154,11 +6300,11 @@ class Trajectory(Answer):
 class TransitionEvidence(Answer):
     """Event that a state does not allow."""
 
-    event: str
+    event: RefusedEvent
     """Event that was requested."""
-    legal: list[str]
+    legal: list[RefusedEvent]
     """Events that are allowed in that state."""
-    state: str
+    state: RefusingState
     """State at present."""
 
 
@@ -6187,7 +6333,7 @@ class UnauthorizedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class UncheckedPair(Answer):
@@ -6219,7 +6365,7 @@ class UnknownJobProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class UnknownNameFailure(Answer):
@@ -6255,7 +6401,7 @@ class UnknownNameProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class UnknownResourceEvidence(Answer):
@@ -6289,7 +6435,7 @@ class UnreadableBodyProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class UnreadableEvidence(Answer):
@@ -6319,7 +6465,7 @@ class UnsupportedMediaTypeProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class UrRtdeDriver(Answer):
@@ -6522,7 +6668,7 @@ class WorkerCrashedProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class WorkerSilentEvidence(Answer):
@@ -6569,7 +6715,7 @@ class WorkerUnresponsiveProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
 class WrongJointCountProblem(Answer):
@@ -6588,4 +6734,4 @@ class WrongJointCountProblem(Answer):
     type: str
     """`urn:wayproof:problem:` and the code."""
     errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
+    """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""

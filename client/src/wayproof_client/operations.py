@@ -506,18 +506,21 @@ class Operations(Caller):
         )
 
     def list_scenes(
-        self, *, limit: int | None = None, cursor: str | None = None
+        self, *, limit: int | None = None, cursor: str | None = None, name: str | None = None
     ) -> models.ScenePage:
         """List scenes, newest first."""
         return self.ask(
-            Call("GET", "/v1/scenes", query={"limit": limit, "cursor": cursor}), models.ScenePage
+            Call("GET", "/v1/scenes", query={"limit": limit, "cursor": cursor, "name": name}),
+            models.ScenePage,
         )
 
-    def all_scenes(self, *, limit: int | None = None) -> Iterator[models.SceneBrief]:
+    def all_scenes(
+        self, *, limit: int | None = None, name: str | None = None
+    ) -> Iterator[models.SceneBrief]:
         """List scenes, newest first: all pages."""
         cursor: str | None = None
         while True:
-            page = self.list_scenes(limit=limit, cursor=cursor)
+            page = self.list_scenes(limit=limit, name=name, cursor=cursor)
             for item in page.items:
                 yield item
             cursor = page.next
@@ -826,9 +829,14 @@ class Operations(Caller):
             if cursor is None:
                 return
 
-    def create_webhook(self, body: requests.WebhookRequest) -> models.NewWebhook:
+    def create_webhook(
+        self, body: requests.WebhookRequest, *, idempotency_key: str | None = None
+    ) -> models.NewWebhook:
         """Register an address; it is told what happens from now on, signed with the `secret`."""
-        return self.ask(Call("POST", "/v1/webhooks", body=body), models.NewWebhook)
+        return self.ask(
+            Call("POST", "/v1/webhooks", headers={"Idempotency-Key": idempotency_key}, body=body),
+            models.NewWebhook,
+        )
 
     def delete_webhook(self, webhook: str) -> None:
         """Forget a webhook: it is told nothing more."""

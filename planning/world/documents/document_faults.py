@@ -4,6 +4,7 @@ Pydantic's locations have steps of its own (branches of unions), and its message
 field does not name misspelt candidates.
 """
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -14,6 +15,9 @@ type Step = str | int
 type Schema = Mapping[str, Any]
 
 _UNKNOWN_FIELD, _MISSING_FIELD = "extra_forbidden", "missing"
+_UNKNOWN_VALUES, _UNKNOWN_TAG = ("literal_error", "enum"), "union_tag_invalid"
+# Pydantic names the right values in a sentence only: "'toppra', 'linear' or 'jerk'".
+_QUOTED = re.compile("'([^']+)'")
 _MAX_MESSAGE_LENGTH = 500
 # Depth of nested unions: `positions` by joint, each a number or several.
 _MAX_UNION_DEPTH = 4
@@ -29,7 +33,7 @@ class Fault:
         steps: Keys and indices from the root to the part.
         message: The fault, for people.
         type: Pydantic's name for the kind of fault.
-        nearest: Field names similar to the wrong one.
+        nearest: Names of fields, or values, similar to the wrong one.
     """
 
     steps: tuple[Step, ...]
@@ -61,7 +65,7 @@ def faults_of(errors: Sequence[Mapping[str, Any]], document: Any, schema: Schema
         errors = _errors_of_likely_branches(errors, document, depth)
     first = [_fault(one, document, schema) for one in errors[:_MAX_EXPLAINED]]
     rest = [
-        Fault(_real_steps(one, document), message_of(one), one["type"])
+        Fault(_real_steps(one, document), _message_of(one), one["type"])
         for one in errors[_MAX_EXPLAINED:]
     ]
     return [_with_misspelling(fault, first) for fault in first] + rest
@@ -85,10 +89,32 @@ def _fault(error: Mapping[str, Any], document: Any, schema: Schema) -> Fault:
         unknown = UnknownName.among("field", str(steps[-1])[:80], known)
         nearest = tuple(unknown.evidence["nearest"])
         return Fault(steps, unknown.detail[:_MAX_MESSAGE_LENGTH], error["type"], nearest)
-    return Fault(steps, message_of(error), error["type"])
+    return value_fault(steps, error)
 
 
-def message_of(error: Mapping[str, Any]) -> str:
+def value_fault(steps: tuple[Step, ...], error: Mapping[str, Any]) -> Fault:
+    """Return the fault of a value that is there, with the known values it resembles.
+
+    The place of an unknown tag is the tag's, not that of the object which it selects.
+
+    Args:
+        steps: Keys and indices from the root to the value.
+        error: One of pydantic's errors, with its context.
+    """
+    kind, context = str(error["type"]), error.get("ctx", {})
+    wrong, known = error.get("input"), context.get("expected", "")
+    if kind == _UNKNOWN_TAG:
+        wrong, known = context["tag"], context["expected_tags"]
+        # The name of a function, without quotes, where the tag is no field.
+        steps = (*steps, *_QUOTED.findall(context["discriminator"]))
+    elif kind not in _UNKNOWN_VALUES or not isinstance(wrong, str):
+        return Fault(steps, _message_of(error), kind)
+    nearest = UnknownName.among("value", wrong[:80], _QUOTED.findall(known)).evidence["nearest"]
+    hint = f"; did you mean {nearest[0]!r}?" if nearest else ""
+    return Fault(steps, f"{_message_of(error)}{hint}"[:_MAX_MESSAGE_LENGTH], kind, tuple(nearest))
+
+
+def _message_of(error: Mapping[str, Any]) -> str:
     """Return the message of one of pydantic's errors."""
     return str(error["msg"]).removeprefix("Value error, ")[:_MAX_MESSAGE_LENGTH]
 

@@ -85,7 +85,7 @@ def _validate(document: Mapping[str, Any], node: Any, name: str) -> SceneDocumen
     try:
         return SceneDocument.model_validate(document)
     except ValidationError as refusal:
-        found = refusal.errors(include_url=False, include_context=False)
+        found = refusal.errors(include_url=False)
     all_faults = faults_of(cast("Any", found), document, _schema())
     # Finding a line takes time proportional to the text: of many faults only the first get one.
     faults = [

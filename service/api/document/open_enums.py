@@ -30,6 +30,20 @@ class OneOf:
         return handler(core_schema.list_schema(known))["items"]
 
 
+class Matching:
+    """Mark of a text of known words, some with a name behind them: the document has a pattern."""
+
+    def __init__(self, words: Iterable[str], named: Iterable[str]) -> None:
+        """Remember what stands alone, and the expressions of what a name follows."""
+        self.pattern = f"^({'|'.join([*words, *(f'{word} .+' for word in named)])})$"
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Return the schema of texts that match."""
+        return {**handler(schema), "pattern": self.pattern}
+
+
 # In the order in which a job goes through them, each where it has them; see `timings`.
 STAGES = (
     "load",

@@ -4,6 +4,7 @@ from typing import NotRequired, TypedDict
 
 from pydantic import with_config
 
+from service.api.document.known_values import NameKind
 from service.api.failures.parts import OPEN
 
 
@@ -15,10 +16,12 @@ class DocumentFault(TypedDict):
     """Place of the fault, as names and numbers with dots"""
     pointer: str
     """Place of the fault as a JSON pointer (RFC 6901); empty for the root and for parameters"""
+    parameter: NotRequired[str]
+    """Name of the parameter of the query, the path or the headers; absent for the body"""
     message: str
     """What is wrong there, for a person"""
     nearest: NotRequired[list[str]]
-    """Names that were perhaps meant, the nearest first"""
+    """Names or values that were perhaps meant, the nearest first"""
     line: NotRequired[int | None]
     """Line in the text, from 1; null where it is not known"""
     type: NotRequired[str]
@@ -113,7 +116,7 @@ class ProblemFieldEvidence(TypedDict):
 class NameEvidence(TypedDict):
     """A name that does not exist."""
 
-    kind: str
+    kind: NameKind
     """Kind of the name, such as `frame`"""
     name: str
     """Name that was given"""

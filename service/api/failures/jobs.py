@@ -4,6 +4,7 @@ from typing import NotRequired, TypedDict
 
 from pydantic import with_config
 
+from service.api.document.known_values import QueueName
 from service.api.failures.parts import OPEN
 
 
@@ -11,7 +12,7 @@ from service.api.failures.parts import OPEN
 class QueueFullEvidence(TypedDict):
     """Number of jobs in a queue that is full."""
 
-    queue: str
+    queue: QueueName
     """Name of the queue"""
     bound: int
     """Number of jobs that may wait"""
@@ -25,7 +26,7 @@ class QueueFullEvidence(TypedDict):
 class QueueTimeoutEvidence(TypedDict):
     """Time that a question waited for a worker."""
 
-    queue: str
+    queue: QueueName
     """Name of the queue"""
     waited: float
     """Time that the question waited [s]"""
@@ -47,6 +48,8 @@ class IdempotencyEvidence(TypedDict):
     """Id of the scene"""
     batch: NotRequired[str]
     """Id of the batch"""
+    webhook: NotRequired[str]
+    """Id of the webhook"""
 
 
 @with_config(OPEN)

@@ -4,6 +4,14 @@ from typing import NotRequired, TypedDict
 
 from pydantic import with_config
 
+from service.api.document.known_values import (
+    CheckName,
+    CheckUnit,
+    RefusedEvent,
+    RefusingState,
+    RetimingMethod,
+    VerdictCheck,
+)
 from service.api.failures.parts import OPEN, FunnelEvidence
 
 
@@ -69,6 +77,8 @@ class DeadlineEvidence(TypedDict):
 
     allowed: NotRequired[float]
     """Time that was allowed [s]"""
+    grace: NotRequired[float]
+    """Time beyond it after which a worker that had not ended was ended [s]"""
     during: NotRequired[str]
     """Work during which the time ran out"""
     waited: NotRequired[float]
@@ -120,7 +130,7 @@ class CancelEvidence(TypedDict):
 class RetimingEvidence(TypedDict):
     """Why the path has no timing."""
 
-    method: NotRequired[str]
+    method: NotRequired[RetimingMethod]
     """Method of timing"""
     duration: NotRequired[float]
     """Duration that was requested [s]"""
@@ -154,13 +164,13 @@ class RetimingEvidence(TypedDict):
 class FailedCheck(TypedDict):
     """A check of the certificate that failed."""
 
-    name: str
+    name: CheckName
     """Name of the check"""
     value: float | None
     """Worst value of the check, in `unit`; null where it is not finite"""
     bound: float | None
     """Bound of the check, in `unit`; null where it is not finite"""
-    unit: NotRequired[str]
+    unit: NotRequired[CheckUnit]
     """Unit of value and bound; `1` for a number without one"""
     where: str
     """The joint, frame or bodies, or empty"""
@@ -208,7 +218,7 @@ class CertificateEvidence(TypedDict):
     """Failed checks of the last motion, the worst first"""
     refused: NotRequired[list[str]]
     """Each motion that was refused, and why"""
-    check: NotRequired[str]
+    check: NotRequired[VerdictCheck]
     """Name of the first failed check; executions only"""
     pair: NotRequired[list[str]]
     """The two bodies that come too near, if that is the check; executions only"""
@@ -228,11 +238,11 @@ class CertificateEvidence(TypedDict):
 class TransitionEvidence(TypedDict):
     """Event that a state does not allow."""
 
-    state: str
+    state: RefusingState
     """State at present"""
-    event: str
+    event: RefusedEvent
     """Event that was requested"""
-    legal: list[str]
+    legal: list[RefusedEvent]
     """Events that are allowed in that state"""
 
 
@@ -284,7 +294,7 @@ class TorqueEvidence(TypedDict):
 class PathBlockedEvidence(TypedDict):
     """Part of a motion that does not hold in the scene as it was edited."""
 
-    check: str
+    check: VerdictCheck
     """Name of the failed check of the certificate"""
     pair: list[str]
     """Full names of both bodies, if it is about two"""

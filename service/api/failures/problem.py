@@ -22,8 +22,15 @@ class ProblemError(BaseModel):
     pointer: str = Field(
         description="JSON pointer into the body; empty for its root and for parameters"
     )
+    parameter: str = Field(
+        default="",
+        description="Name of the parameter of the query, the path or the headers that is wrong; "
+        "absent where the body is",
+    )
     message: str = Field(description="What is wrong there, for a person")
-    nearest: list[str] = Field(description="Names that were perhaps meant, the nearest first")
+    nearest: list[str] = Field(
+        description="Names or values that were perhaps meant, the nearest first"
+    )
 
 
 class Problem(CodedUnion):
@@ -62,7 +69,8 @@ class Problem(CodedUnion):
     evidence: dict[str, Any] = Field(description="Facts behind it [SI units, radians]")
     errors: list[ProblemError] = Field(
         default=[],
-        description="What is wrong in the body, at most 20; absent where no place of it is",
+        description="What is wrong in the body or in parameters, at most 20; absent where no "
+        "place of them is",
     )
 
     @classmethod

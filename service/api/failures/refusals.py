@@ -4,6 +4,7 @@ from typing import Any, NotRequired, TypedDict
 
 from pydantic import with_config
 
+from service.api.document.known_values import MotionlessState, ScopeName
 from service.api.failures.parts import OPEN
 
 
@@ -85,7 +86,7 @@ class NoTrajectoryEvidence(TypedDict):
 
     id: NotRequired[str]
     """Id of the plan"""
-    state: NotRequired[str]
+    state: NotRequired[MotionlessState]
     """State of the plan"""
     failure: NotRequired[dict[str, Any] | None]
     """Reason why it has no motion, if it ended without one"""
@@ -195,9 +196,9 @@ class MediaTypeEvidence(TypedDict):
 class ScopeEvidence(TypedDict):
     """Scope that a key lacks."""
 
-    needed: str
+    needed: ScopeName
     """The scope that the operation needs"""
-    scopes: list[str]
+    scopes: list[ScopeName]
     """Scopes of the key"""
 
 

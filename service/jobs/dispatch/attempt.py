@@ -12,6 +12,7 @@ from typing import Any
 from planning.errors import Canceled, WayproofError
 from service.jobs.dispatch.attempt_end import AttemptEnd, StopRequest
 from service.jobs.dispatch.conclusion import Conclusion
+from service.jobs.dispatch.crash import Run, note_crash
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.scheduling.scheduler import Scheduler
 from service.jobs.dispatch.spans import run_traced
@@ -203,6 +204,7 @@ class Attempt:
             start.cancel()
         if self._start is None:  # canceled while it was queued
             return False
+        self._note_crash(outcome, self._start.attempts)
         outcome = await self._concluded(outcome)
         self._has_ended = True
         self.num_lost_hosts += isinstance(outcome, Lost) and outcome.has_begun
@@ -213,6 +215,11 @@ class Attempt:
         # Nothing was awaited since it was published: who is told of the end finds it here.
         self.ended = end.ended
         return is_queued_again
+
+    def _note_crash(self, outcome: Outcome, attempts: int) -> None:
+        stage = str((self.latest("stage") or {}).get("stage", ""))
+        run = Run(self.job.queue, self.job.task, attempts, stage)
+        note_crash(outcome, run, self._scheduler.observer)
 
     async def _concluded(self, outcome: Outcome) -> Outcome:
         """Return the outcome once what follows from it is done, or why that failed."""

@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 from planning.errors import DeadlineExceeded
+from service.jobs.dispatch.crash import Run, note_crash
 from service.jobs.dispatch.scheduling.durations import CallKind
 from service.jobs.dispatch.scheduling.scheduler import Scheduler
 from service.jobs.dispatch.scheduling.waiting import QueueEntry
@@ -107,7 +108,7 @@ class Calls:
             came = loop.time()
             worker = await self._worker_for(call)
             waited += loop.time() - came
-            finished = await self._shielded_run(call, worker)
+            finished = await self._shielded_run(call, worker, attempt + 1)
             outcome = finished.outcome
             # Where it never began, it was not tried.
             attempt += not isinstance(outcome, Lost) or outcome.has_begun
@@ -148,9 +149,9 @@ class Calls:
                 raise self._timeout_error(call) from ended
             raise
 
-    async def _shielded_run(self, call: Call, worker: Worker) -> _Finished:
+    async def _shielded_run(self, call: Call, worker: Worker, attempt: int) -> _Finished:
         """Run the task; if it is not waited for any more, it ends, and the worker is free again."""
-        work = asyncio.get_running_loop().create_task(self._run_in(call, worker))
+        work = asyncio.get_running_loop().create_task(self._run_in(call, worker, attempt))
         self._scheduler.keep(work)
         try:
             return await asyncio.shield(work)
@@ -158,7 +159,7 @@ class Calls:
             worker.cancel(self._scheduler.queue(call.queue).cancel_grace)
             raise
 
-    async def _run_in(self, call: Call, worker: Worker) -> _Finished:
+    async def _run_in(self, call: Call, worker: Worker, attempt: int) -> _Finished:
         loop = asyncio.get_running_loop()
         began = loop.time()
         run = Assignment(
@@ -168,6 +169,7 @@ class Calls:
         try:
             await worker.bring(artifacts_of(call.task, call.payload))
             outcome = await run_traced(worker, run)
+            note_crash(outcome, Run(call.queue, call.task, attempt), self._scheduler.observer)
             if isinstance(outcome, Returned):
                 content = await self._content(call, outcome.result)
             return _Finished(outcome, content, loop.time() - began)

@@ -15,5 +15,13 @@ class Observer:
             was_warm: Whether the worker has its scene loaded; None if it is about none.
         """
 
+    def note_crash(self, queue: str, reason: str) -> None:
+        """Note that a worker has died under a run.
+
+        Args:
+            queue: Of the job or the call.
+            reason: The name of a signal, `exit`, `silence` or `memory`.
+        """
+
     def note_end(self, job: JobSummary) -> None:
         """Note that a job has ended here."""

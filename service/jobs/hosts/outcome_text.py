@@ -37,8 +37,9 @@ def dump_outcome(outcome: Outcome) -> bytes:
             fields = {"end": "raised", "error": dump_error(error)}
         case Crashed(exit_code=exit_code, reason=reason):
             fields = {"end": "crashed", "exit_code": exit_code, "reason": reason}
-        case TimedOut(time_limit=limit, error=error):
-            fields = {"end": "timed_out", "time_limit": limit, "error": _dumped(error)}
+        case TimedOut(time_limit=limit, error=error, grace=grace):
+            fields = {"end": "timed_out", "time_limit": limit, "grace": grace}
+            fields["error"] = _dumped(error)
         case Silent(seconds=seconds):
             fields = {"end": "silent", "seconds": seconds}
         case MemoryExceeded(used=used, bound=bound):
@@ -81,7 +82,9 @@ def _loaded(text: str | None) -> WayproofError | None:
 
 _OTHERS: Mapping[str, Callable[[dict[str, Any]], Outcome]] = {
     "crashed": lambda fields: Crashed(fields["exit_code"], fields["reason"]),
-    "timed_out": lambda fields: TimedOut(fields["time_limit"], _loaded(fields["error"])),
+    "timed_out": lambda fields: TimedOut(
+        fields["time_limit"], _loaded(fields["error"]), fields["grace"]
+    ),
     "silent": lambda fields: Silent(fields["seconds"]),
     "memory_exceeded": lambda fields: MemoryExceeded(fields["used"], fields["bound"]),
     "terminated": lambda fields: Terminated(_loaded(fields["error"])),

@@ -30,9 +30,9 @@ class PipeContext:
         """Send an event that the next of its type may replace."""
         self._send(MessageKind.UPDATE, two_parts(event_type, event_text(data)))
 
-    def allow(self, seconds: float) -> None:
+    def allow(self, seconds: float, grace: float = 0.0) -> None:
         """Have this run ended after some seconds from now on, and not before."""
-        self._send(MessageKind.DEADLINE, repr(seconds).encode())
+        self._send(MessageKind.DEADLINE, json.dumps([seconds, grace]).encode())
 
     def watch(self, silence: float) -> None:
         """Have this process ended if it says nothing for so long, from now on."""
@@ -79,7 +79,7 @@ class SilentContext:
     def update(self, event_type: str, data: dict[str, Any]) -> None:
         """Drop an event."""
 
-    def allow(self, seconds: float) -> None:
+    def allow(self, seconds: float, grace: float = 0.0) -> None:
         """Do nothing: what nothing follows has no limit."""
 
     def watch(self, silence: float) -> None:

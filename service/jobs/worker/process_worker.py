@@ -251,7 +251,7 @@ async def _apply(message: Message, sink: EventSink, termination: Termination) ->
     """Deal with what a task says on its way."""
     match message.kind:
         case MessageKind.DEADLINE:
-            termination.set_deadline(float(message.body))
+            termination.set_deadline(*map(float, json.loads(message.body)))
         case MessageKind.WATCH:
             termination.limit_silence(float(message.body))
         case kind:

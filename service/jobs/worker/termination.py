@@ -24,6 +24,7 @@ class Termination:
         self._is_late = False
         self._is_silent = False
         self._time_limit = time_limit
+        self._grace = 0.0
         self._silence: float | None = None
         self._num_silent_checks = 0
         self._deadline_timer: asyncio.TimerHandle | None = None
@@ -38,18 +39,19 @@ class Termination:
         if self._time_limit is not None:
             self.set_deadline(self._time_limit)
 
-    def set_deadline(self, seconds: float) -> None:
+    def set_deadline(self, seconds: float, grace: float = 0.0) -> None:
         """Let it run for so long from now on, whatever the limit was; too late if it is to end.
 
         Args:
-            seconds: [s].
+            seconds: Time that it may take [s].
+            grace: Time beyond it in which it is not told to end yet [s].
         """
         if self._ask is None or self.is_canceled or self._is_late:
             return
         if self._deadline_timer is not None:
             self._deadline_timer.cancel()
-        self._time_limit = seconds
-        self._deadline_timer = _after(seconds, self._on_deadline)
+        self._time_limit, self._grace = seconds, grace
+        self._deadline_timer = _after(seconds + grace, self._on_deadline)
 
     def limit_silence(self, silence: float) -> None:
         """End the run by force once it has said nothing for so long [s], even if it is to end."""
@@ -85,7 +87,7 @@ class Termination:
             return Silent(self._silence or 0.0)
         if self._is_late:
             said = outcome.error if isinstance(outcome, Raised) else None
-            return TimedOut(self._time_limit or 0.0, said)
+            return TimedOut(self._time_limit or 0.0, said, self._grace)
         if not self.is_canceled:
             return outcome
         if isinstance(outcome, Raised):

@@ -58,9 +58,9 @@ class _ThreadContext:
         """Return all controls that were set for this run."""
         return self.controls_set
 
-    def allow(self, seconds: float) -> None:
+    def allow(self, seconds: float, grace: float = 0.0) -> None:
         """Have this run given up after some seconds from now on, and not before."""
-        self._loop.call_soon_threadsafe(self._termination.set_deadline, seconds)
+        self._loop.call_soon_threadsafe(self._termination.set_deadline, seconds, grace)
 
     def is_canceled(self) -> bool:
         """Return whether the end of this run was requested."""

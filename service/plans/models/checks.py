@@ -5,13 +5,14 @@ from typing import Literal
 from pydantic import Field
 
 from service.api.arrays import FiniteOrNull
+from service.api.document.known_values import CheckName, CheckUnit
 from service.api.models import ResponseModel
 
 
 class Check(ResponseModel):
     """One property that was checked on the whole interval."""
 
-    name: str = Field(
+    name: CheckName = Field(
         description="Name of the check: position, velocity, acceleration, "
         "jerk, clearance, start, ..."
     )
@@ -22,7 +23,9 @@ class Check(ResponseModel):
     bound: FiniteOrNull = Field(
         description="Bound that it was held against, in `unit`; null for none"
     )
-    unit: str = Field(description="Unit of value, bound and resolution; `1` for peak over limit")
+    unit: CheckUnit = Field(
+        description="Unit of value, bound and resolution; `1` for peak over limit"
+    )
     resolution: FiniteOrNull = Field(
         description="Bound on how far the true worst value may lie beyond `value`, in "
         "`unit`; null if there is none, for example where a search for it "
@@ -57,7 +60,7 @@ class Interpolation(ResponseModel):
         "are evenly apart, only their own period is considered"
     )
     failed: list[Check] = Field(description="Checks that did not pass")
-    unchecked: list[str] = Field(
+    unchecked: list[CheckName] = Field(
         description="Checks of the certificate that straight lines are not held to: at every "
         "sample their velocity jumps"
     )

@@ -6,6 +6,7 @@ from pydantic import Field
 
 from planning.domain.goals.funnel import funnel_evidence
 from planning.domain.report.motion_plan import StageReports
+from service.api.document.known_values import RefineSolver
 from service.api.document.open_enums import OneOf
 from service.api.models import ResponseModel
 from service.plans.models.ik import IkFunnel
@@ -44,7 +45,7 @@ class RefineReport(ResponseModel):
     )
     improved: bool = Field(description="Whether the refined curve is what was delivered")
     reason: str = Field(description="Reason why it was not delivered, or empty")
-    solver: str = Field(description="Name of the solver, or empty")
+    solver: RefineSolver = Field(description="Name of the solver, or empty")
     rounds: int = Field(
         description="Number of steps tried, each a convex program; of `drake` nonlinear programs"
     )

@@ -8,6 +8,7 @@ from pydantic import ConfigDict, Field
 from planning.domain.report import certificate as domain
 from planning.domain.report.motion_plan import MotionPlan
 from service.api.arrays import FiniteOrNull, Row, Rows
+from service.api.document.known_values import CutStage
 from service.api.models import ResponseModel
 from service.plans.models.checks import Check
 from service.plans.models.reports import Stages
@@ -126,7 +127,7 @@ class PlanResult(ResponseModel):
     trajectory: Trajectory = Field(description="The timed motion, sampled as `retime` says")
     certificate: Certificate = Field(description="The proof")
     stages: Stages = Field(description="Reports of all stages")
-    cut_short: list[str] | None = Field(
+    cut_short: list[CutStage] | None = Field(
         default=None,
         description="Stages that ended early because of the clock, by their names in "
         "`timings`; their results may be different another time. Empty if the "

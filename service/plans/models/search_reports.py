@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import ConfigDict, Field
 
 from service.api.arrays import Rows
+from service.api.document.known_values import AttemptOutcome
 from service.api.models import ResponseModel
 
 
@@ -12,7 +13,7 @@ class AttemptReport(ResponseModel):
     """Outcome of one attempt at a solution."""
 
     planner: str = Field(description="Name of the planner in OMPL")
-    outcome: str = Field(
+    outcome: AttemptOutcome = Field(
         description="`solved`, `collides` (on a closer look), `setup` (setting the planner up took "
         "longer than it may), or how it ended"
     )

@@ -4,6 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from service.api.document.known_values import VerdictCheck
 from service.api.models import ResponseModel
 
 
@@ -17,7 +18,7 @@ class ExecutionVerdict(ResponseModel):
     action: Literal["stop", "slow", "replan", "ignore"] | None = Field(
         default=None, description="Action that is taken, as the execution's `on_conflict` says"
     )
-    check: str | None = Field(
+    check: VerdictCheck | None = Field(
         default=None,
         description="Check of the certificate that fails, mostly `clearance`; `undecided` "
         "if there was no verdict in time, `request` if the motion's terms "

@@ -158,17 +158,23 @@ def read_groups(connection: Connection, identifier: str) -> list[Group]:
     return SceneSummary.model_validate({"groups": found.get("groups", [])}).groups
 
 
-def read_page(connection: Connection, limit: int, before: int | None) -> list[SceneBrief]:
+def read_page(
+    connection: Connection, limit: int, before: int | None, name: str | None = None
+) -> list[SceneBrief]:
     """Return the latest revision of scenes older than `before`, newest scene first.
+
+    With a `name`, of those of that name alone: no edit changes it.
 
     A scene is as old as its first revision, whose serial stands for it: pages join up whatever is
     revised meanwhile.
     """
-    return [_brief(row) for row in connection.execute(_page(limit, before))]
+    return [_brief(row) for row in connection.execute(_page(limit, before, name))]
 
 
-def _page(limit: int, before: int | None) -> Select[Any]:
+def _page(limit: int, before: int | None, name: str | None) -> Select[Any]:
     firsts = select(scenes.c.id, scenes.c.serial).where(scenes.c.revision == 1)
+    if name is not None:
+        firsts = firsts.where(scenes.c.name == name)
     firsts = firsts.order_by(scenes.c.serial.desc()).limit(limit)
     if before is not None:
         firsts = firsts.where(scenes.c.serial < before)

@@ -158,13 +158,13 @@ class SceneStore:
         return await to_thread.run_sync(self._read, identifier, revision)
 
     async def page(
-        self, limit: int, before: int | None = None
+        self, limit: int, before: int | None = None, name: str | None = None
     ) -> tuple[list[SceneBrief], int | None]:
-        """Return scenes older than the serial `before`, newest first.
+        """Return scenes older than the serial `before`, newest first; of one name, if it is given.
 
         Also the `before` of the page that follows; None if this is the last one.
         """
-        found = await to_thread.run_sync(self._page, limit + 1, before)
+        found = await to_thread.run_sync(self._page, limit + 1, before, name)
         return found[:limit], found[limit - 1].serial if len(found) > limit else None
 
     async def delete(self, identifier: str, revision: int | None = None) -> None:
@@ -256,9 +256,9 @@ class SceneStore:
         self._recent.put(record)
         return record
 
-    def _page(self, limit: int, before: int | None) -> list[SceneBrief]:
+    def _page(self, limit: int, before: int | None, name: str | None) -> list[SceneBrief]:
         with self._engine.connect() as connection:
-            return rows.read_page(connection, limit, before)
+            return rows.read_page(connection, limit, before, name)
 
     def _delete(self, identifier: str, revision: int | None) -> None:
         with self._durable() as connection:

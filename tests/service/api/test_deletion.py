@@ -39,9 +39,13 @@ def refused(answer, code):
 
 def test_a_deleted_plan_is_unknown_in_every_way(client, plan):
     path = f"/v1/plans/{plan['id']}"
+    ways = ("", "/events", "/trajectory", "/series", "/replay.html", "/graph", "/report.html")
+    ways += ("/bundle.zip", "/plots/position.svg")
+    for further in ways:
+        assert client.get(f"{path}{further}").status_code in {200, 409}, further
     answer = client.delete(path)
     assert (answer.status_code, answer.content) == (204, b"")
-    for further in ("", "/events", "/trajectory", "/replay.html", "/graph", "/chart.svg"):
+    for further in ways:
         assert client.get(f"{path}{further}").status_code == 404, further
     for further in ("/cancel", "/reverse"):
         assert client.post(f"{path}{further}").status_code == 404, further

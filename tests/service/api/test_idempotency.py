@@ -44,3 +44,20 @@ def test_a_key_gives_the_regions_of_one_scene_only(client, scene, headers):
     other = client.post("/v1/scenes", json={"robots": robots}).json()["id"]
     answer = client.post(f"/v1/scenes/{other}/regions", json=request, headers=headers)
     assert refused(answer)
+
+
+def test_a_key_gives_the_same_webhook_and_its_secret_again(client, headers):
+    request = {"url": "https://93.184.216.34/hook", "events": ["plan.finished"]}
+    first = client.post("/v1/webhooks", json=request, headers=headers)
+    again = client.post("/v1/webhooks", json=request, headers=headers)
+    assert (first.status_code, again.status_code) == (201, 201)
+    assert again.json() == first.json()
+    told = client.post("/v1/webhooks", json={"url": request["url"]}, headers=headers)
+    assert refused(told)
+    assert told.json()["evidence"] == {
+        "key": headers["Idempotency-Key"],
+        "webhook": first.json()["id"],
+    }
+    assert client.post("/v1/webhooks", json=request).json()["id"] != first.json()["id"]
+    assert client.delete(f"/v1/webhooks/{first.json()['id']}").status_code == 204
+    assert client.post("/v1/webhooks", json=request, headers=headers).status_code == 201

@@ -23,6 +23,9 @@ def scene(client):
     grow = {"group": "arm", "num_regions": 1, "num_free": 100, "iterations": 1, "along": "nothing"}
     grow["allowed_time"] = 60.0
     assert client.post(f"/v1/scenes/{scene}/regions?wait=60", json=grow).is_success
+    for host in (34, 35):
+        hook = {"url": f"https://93.184.216.{host}/hook"}
+        assert client.post("/v1/webhooks", json=hook).status_code == 201
     return scene
 
 
@@ -33,6 +36,7 @@ def scene(client):
         "/v1/executions",
         "/v1/scenes",
         "/v1/scenes/{scene}/regions",
+        "/v1/webhooks",
     ]
 )
 def path(request, scene):
@@ -56,6 +60,17 @@ def test_cursors_are_opaque_and_those_of_older_servers_work(client):
     old = client.get(f"/v1/scenes?limit=1&cursor={sequence_of(page['next'])}").json()
     assert following["items"]
     assert following == old
+
+
+def test_scenes_are_filtered_by_name(client):
+    made = [client.post("/v1/scenes", json={**ARM, "name": f"list-{k}"}).json() for k in "aba"]
+    wanted = [made[2]["id"], made[0]["id"]]
+    edit = {"op": "add", "object": {"name": "ball", "shape": {"sphere": 0.1}}}
+    client.patch(f"/v1/scenes/{wanted[1]}", json={"operations": [edit]})
+    asked = "/v1/scenes?name=list-a"
+    assert [item["id"] for item in client.get(asked).json()["items"]] == wanted
+    assert [item["id"] for item in walk(client, asked, limit=1)] == wanted
+    assert client.get("/v1/scenes?name=list").json()["items"] == []
 
 
 @pytest.mark.parametrize("sequence", [0, 1, 77, 2**59])

@@ -9,6 +9,7 @@ from sqlalchemy import text
 
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leadership.leader import DispatcherLock
+from service.jobs.dispatch.observer import Observer
 from service.jobs.dispatch.scheduling.queue import JobQueue, Share
 from service.jobs.dispatch.scheduling.worker_pool import WorkerPool
 from service.jobs.job import JobSpec
@@ -68,6 +69,7 @@ async def running(  # noqa: PLR0913  (what a test may vary)
     version: str = "1",
     share: Share | None = None,
     site: Site | None = None,
+    observer: Observer | None = None,
 ) -> AsyncIterator[tuple[Dispatcher, JobStore]]:
     """Run a dispatcher on the database in a folder; `disks` gets the disk that it is on.
 
@@ -82,7 +84,7 @@ async def running(  # noqa: PLR0913  (what a test may vary)
     made = workers_on(at.kind, [TASKS], plain_terms(workers), at.hosts, at.machines)
     pool = WorkerPool(threads if inline else made)
     queues = {"plan": JobQueue("plan", pool, max_waiting, cancel_grace, share=share)}
-    dispatcher = Dispatcher(store, DispatcherLock(engine), queues)
+    dispatcher = Dispatcher(store, DispatcherLock(engine), queues, observer=observer)
     await dispatcher.start(WARM_UP)
     try:
         yield dispatcher, store

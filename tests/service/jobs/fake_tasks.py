@@ -142,6 +142,14 @@ def segfault(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
 
 
 @fake
+def die_in_stage(_: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
+    """End the process in a stage that is told."""
+    channel.emit("stage", {"stage": "search", "progress": 0.2})
+    os.kill(os.getpid(), signal.SIGSEGV)
+    return {}
+
+
+@fake
 def die_once(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """End the process at the first attempt, return at the second."""
     marker = Path(payload["marker"])

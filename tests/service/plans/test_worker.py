@@ -33,8 +33,8 @@ class TaskContext:
         if event_type == "stage":
             self.notes.append(data["stage"])
 
-    def allow(self, seconds):
-        self.notes.append(seconds)
+    def allow(self, seconds, grace=0.0):
+        self.notes.append(seconds + grace)
 
     def is_canceled(self):
         return False
@@ -66,6 +66,18 @@ def test_the_allowed_time_begins_once_the_scene_is_loaded(payload, tmp_path):
     assert channel.notes.index(terms[0]) < channel.notes.index("goals")
     assert terms[1] <= SLACK
     assert channel.notes[-1] == terms[1]
+
+
+def test_a_plan_that_hangs_is_soon_ended_and_told_what_was_asked_for(payload, tmp_path):
+    class Context(TaskContext):
+        def allow(self, seconds, grace=0.0):
+            self.notes.append((seconds, grace))
+
+    channel = Context()
+    on_host(tmp_path, plan_motion, PlanWork.model_validate(payload), channel)
+    (allowed, grace), _ = [note for note in channel.notes if isinstance(note, tuple)]
+    assert allowed == ALLOWED
+    assert 0.0 < grace <= 1.0
 
 
 def test_a_plan_that_is_late_says_where_it_was_and_how_long_loading_took(payload, tmp_path):

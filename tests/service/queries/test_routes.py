@@ -86,6 +86,13 @@ def test_unreachable_poses_come_with_the_nearest_and_the_funnel(client, scene):
     assert found["funnel"]["tried"] == 20
 
 
+def answered(told):
+    """What is answered, without what says how it came about."""
+    answer = told.json()
+    told_apart = {"revision", "digest", "timings", "versions", "statistics"}
+    return {name: part for name, part in answer.items() if name not in told_apart}
+
+
 def test_a_question_is_asked_of_the_revision_that_it_names(client):
     arm = {"name": "arm", "model": "ur5e", "positions": "home"}
     block = {
@@ -94,15 +101,22 @@ def test_a_question_is_asked_of_the_revision_that_it_names(client):
         "pose": {"position": [0.5, 0, 0.5]},
     }
     scene = client.post("/v1/scenes", json={"robots": [arm], "objects": [block]}).json()
-    away = {"op": "move", "object": "block", "pose": {"position": [5, 0, 0]}}
+    turned = {"position": [5, 0, 0], "rpy": [0, 0, 1.0]}
+    away = {"op": "move", "object": "block", "pose": turned}
     path = f"/v1/scenes/{scene['id']}"
     client.patch(path, json={"operations": [away]})
     q = scene["groups"][0]["positions"]
     asked = {
         "fk": {"configurations": [q], "frames": ["block"]},
         "check": {"configurations": [q]},
-        "ik": {"goal": {"type": "relative", "displacement": {"position": [0, 0, 0.01]}}},
-        "line": {"displacement": {"vector": [0, 0, 0.01]}},
+        "ik": {
+            "goal": {
+                "type": "relative",
+                "displacement": {"position": [0.02, 0, 0]},
+                "reference": "block",
+            }
+        },
+        "line": {"displacement": {"vector": [0.02, 0, 0], "frame": "block"}},
     }
     for verb, body in asked.items():
         told = [
@@ -111,8 +125,8 @@ def test_a_question_is_asked_of_the_revision_that_it_names(client):
         ]
         assert [one.status_code for one in told] == [200, 200, 200, 404], verb
         assert told[1].json() == told[2].json()
-        if verb in {"fk", "check"}:
-            assert told[0].json() != told[1].json()
+        assert [one.headers.get("wayproof-revision") for one in told] == ["1", "2", "2", None]
+        assert answered(told[0]) != answered(told[1]), verb
     [first] = client.post(f"{path}/fk?revision=1", json={"group": "arm", **asked["fk"]}).json()[
         "results"
     ]

@@ -37,11 +37,15 @@ class QueueLoad:
 
 
 class Scheduler:
-    """The queues of a dispatcher at work; belongs to one event loop."""
+    """The queues of a dispatcher at work; belongs to one event loop.
+
+    Attributes:
+        observer: Hears of what happens, to count it.
+    """
 
     def __init__(self, queues: Mapping[str, JobQueue], observer: Observer | None = None) -> None:
         """Start with no worker ready; `open` makes them so."""
-        self._observer = observer or Observer()
+        self.observer = observer or Observer()
         self._queues = queues
         self._pools = list({id(queue.pool): queue.pool for queue in queues.values()}.values())
         self._tasks: set[asyncio.Task[Any]] = set()
@@ -234,7 +238,7 @@ class Scheduler:
             waited, was_warm = loop.time() - entry.place.since, queue.was_warm(worker)
             entry.use(worker)
             # The worker is told first.
-            note = partial(self._observer.note_assignment, was_warm=was_warm)
+            note = partial(self.observer.note_assignment, was_warm=was_warm)
             loop.call_soon(note, queue.name, waited)
 
     def _on_done(self, task: asyncio.Task[Any]) -> None:

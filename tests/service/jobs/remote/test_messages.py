@@ -77,6 +77,7 @@ OUTCOMES = [
     Crashed(-11),
     Crashed(None, "it said\nwhy"),
     TimedOut(0.25),
+    TimedOut(0.25, grace=0.5),
     Silent(1.5),
     MemoryExceeded(3 * 2**30, 2**30),
     Terminated(),

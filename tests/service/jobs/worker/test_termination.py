@@ -54,6 +54,20 @@ def test_a_run_that_is_late_is_told_and_then_made_to_end():
     on_a_loop(story)
 
 
+def test_what_is_granted_beyond_the_allowed_time_is_told_apart_from_it():
+    async def story():
+        run = Told(9.0)
+        run.stop.set_deadline(1.0, 0.5)
+        for seconds, notes in ((1.4, []), (0.2, ["told"]), (DEADLINE_GRACE, ["told", "forced"])):
+            await passing(seconds)
+            assert run.notes == notes
+        error = error_of(run.stop.classify(CRASH), 1)
+        assert error.evidence == {"allowed": 1.0, "during": "worker", "grace": 0.5}
+        assert "within the allowed 1 s, nor 0.5 s later" in error.detail
+
+    on_a_loop(story)
+
+
 @pytest.mark.parametrize("kind", [Canceled, DeadlineExceeded])
 def test_a_run_that_ends_when_it_is_told_to_says_where_it_was(kind):
     async def story():
