@@ -106,6 +106,17 @@ def test_a_deviation_that_is_no_length_is_refused(pickup: World, deviation: floa
         retimed(pickup, through(pickup, [0.1] * 6), options=RetimeOptions(deviation=deviation))
 
 
+@pytest.mark.parametrize("method", ["toppra", "ruckig"])
+@pytest.mark.parametrize("field", ["velocity_scale", "acceleration_scale"])
+@pytest.mark.parametrize("scale", [1e-300, 1e-160, 0.0, 1.1, np.nan])
+def test_a_scale_that_leaves_nothing_is_refused(
+    pickup: World, field: str, scale: float, method: Any
+) -> None:
+    options = RetimeOptions(method, **{field: scale})
+    with pytest.raises(ProblemInvalid, match=rf"retime.{field}: it must be in \[1e-09, 1\]"):
+        retimed(pickup, through(pickup, [0.1] * 6), options=options)
+
+
 @pytest.mark.parametrize("seed", seeds(6))
 def test_a_refusal_has_the_configuration_at_which_each_check_fails(
     pickup: World, seed: int

@@ -25,6 +25,8 @@ from planning.world.models.mjcf_file import (
 )
 from planning.world.models.model_faults import invalid, number_in, validate_description
 
+# Largest dry friction [N m or N].
+_MAX_FRICTION = 1e6
 PACKAGE = re.compile(r"^(?:package|model)://([^/]+)/(.*)$")
 
 
@@ -269,6 +271,10 @@ def _frictions(file: Path, root: ET.Element) -> dict[str, float]:
         friction = number_in(file, f"joint {name!r}: friction", word)
         if friction < 0:
             raise invalid(file, f"joint {name!r}: friction {word} must not be negative")
+        if friction > _MAX_FRICTION:
+            raise invalid(
+                file, f"joint {name!r}: friction {word} must be at most {_MAX_FRICTION:g}"
+            )
         if friction > 0:
             frictions[name] = friction
     return frictions

@@ -148,6 +148,14 @@ REQUESTS = {
     "endless time": asked(
         plan(search={"allowed_planning_time": INF}), "request_invalid", "allowed_planning_time"
     ),
+    "velocities of next to nothing": asked(
+        plan(retime={"velocity_scale": 1e-160}), "request_invalid", "retime.velocity_scale"
+    ),
+    "accelerations of next to nothing": asked(
+        plan(retime={"method": "ruckig", "acceleration_scale": 1e-20}),
+        "request_invalid",
+        "body.retime.acceleration_scale: Input should be greater than or equal to 0.000000001",
+    ),
     "scene of a path": asked(plan(scene="../x"), "not_found", "scene", 404),
 }
 
