@@ -218,6 +218,11 @@ HTTP = {
     "YAML in excess": sent("POST /v1/scenes", YAML, b"# \n" * 700_000, 413, "body_too_large"),
     "check of NaN": sent(CHECK, JSON, {"group": "arm", "configurations": [[NAN] * 6]}, 422,
                          "request_invalid", "configurations.0.0"),
+    "waypoint that no joint reaches": sent(
+        "POST /v1/trajectories/retime", JSON,
+        {"scene": "{scene}", "group": "arm", "waypoints": [[1e6] + [0.0] * 5, [0.0] * 6]}, 422,
+        "problem_invalid", "waypoints.0: arm::shoulder_pan_joint = 1e+06 is not in [-6.28319, 6.2",
+    ),
     "edit that is misspelt": sent(
         "PATCH /v1/scenes/{scene}", JSON, {"operations": [{"op": "mve", "object": "a"}]}, 422,
         "request_invalid", "operations.0",

@@ -143,8 +143,8 @@ ROBOTS = {
         INVALID, "geom size must be at most 10000, got '1e300 1 1'",
     ),
     "MJCF with a capsule beyond all sizes": (
-        {"r.xml": mjcf("", BODY.replace('type="sphere"', 'type="capsule" fromto="0 0 0 1e300 0 0"'))},
-        INVALID, "geom fromto must be at most 10000",
+        {"r.xml": mjcf("", BODY.replace("sphere", 'capsule" fromto="0 0 0 1e300 0 0'))}, INVALID,
+        "geom fromto must be at most 10000",
     ),
     "mass below zero": robot(
         urdf(more='<link name="c"><inertial><mass value="-1"/></inertial></link>'), INVALID,
