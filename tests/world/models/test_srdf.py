@@ -171,8 +171,10 @@ def chain(base: str, tip: str) -> str:
         (chain("palm", "l1"), "it is reversed: exchange base_link 'palm' and tip_link 'l1'"),
         (
             chain("left", "right"),
-            "base_link 'left' is not above tip_link 'right'; links above: "
-            "['palm', 'flange', 'l2', 'l1', 'base']",
+            (
+                "base_link 'left' is not above tip_link 'right'; links above: "
+                "['palm', 'flange', 'l2', 'l1', 'base']"
+            ),
         ),
     ],
 )
@@ -211,28 +213,38 @@ MEMBERS = '<group name="arm"><joint name="j1"/><joint name="j2"/>{}</group>'
         (CHAIN + CHAIN, "group 'arm' in m.srdf is given 2 times: the last one is read"),
         (
             CHAIN + HAND + EFFECTOR.format("").replace("flange", "flannge"),
-            "end effector 'grip' in m.srdf: parent_link: link 'flannge' does not exist; did you "
-            "mean 'flange'?",
+            (
+                "end effector 'grip' in m.srdf: parent_link: link 'flannge' does not exist; did you "
+                "mean 'flange'?"
+            ),
         ),
         (
             CHAIN + HAND + EFFECTOR.format("").replace('group="hand"', 'group="hnd"'),
-            "end effector 'grip' in m.srdf: group: group 'hnd' does not exist; did you mean "
-            "'hand'?",
+            (
+                "end effector 'grip' in m.srdf: group: group 'hnd' does not exist; did you mean "
+                "'hand'?"
+            ),
         ),
         (
             CHAIN + HAND + EFFECTOR.format(' parent_group="arms"'),
-            "end effector 'grip' in m.srdf: parent_group: group 'arms' does not exist; did you "
-            "mean 'arm'?",
+            (
+                "end effector 'grip' in m.srdf: parent_group: group 'arms' does not exist; did you "
+                "mean 'arm'?"
+            ),
         ),
         (
             CHAIN + '<disable_collisions link1="l1" link2="palms"/>' * 2,
-            "disable_collisions in m.srdf: 2 pairs are ignored: link 'palms' does not exist; did "
-            "you mean 'palm'?",
+            (
+                "disable_collisions in m.srdf: 2 pairs are ignored: link 'palms' does not exist; did "
+                "you mean 'palm'?"
+            ),
         ),
         (
             CHAIN + HOME.format(SAID + '<joint name="j3" value="0"/>'),
-            "group state 'home' in m.srdf: a value is ignored: in group 'arm' joint 'j3' does not "
-            "exist; there are ['j1', 'j2']",
+            (
+                "group state 'home' in m.srdf: a value is ignored: in group 'arm' joint 'j3' does not "
+                "exist; there are ['j1', 'j2']"
+            ),
         ),
         (
             CHAIN + STATE + STATE,
@@ -244,8 +256,10 @@ MEMBERS = '<group name="arm"><joint name="j1"/><joint name="j2"/>{}</group>'
         ),
         (
             CHAIN + '<passive_joint name="j9"/>',
-            "passive_joint in m.srdf: joint 'j9' does not exist; there are "
-            "['j1', 'j2', 'mount', 'glue', 'f1', 'f2']",
+            (
+                "passive_joint in m.srdf: joint 'j9' does not exist; there are "
+                "['j1', 'j2', 'mount', 'glue', 'f1', 'f2']"
+            ),
         ),
         (
             CHAIN + '<enable_collisions link1="l1" link2="palm"/>',
