@@ -25,7 +25,7 @@ _MIN_LIMIT = 1e-6
 # Drake's scope separator; a link with it in its own name ends the process.
 _SCOPE = "::"
 _SDF_KEYS = ("lower", "upper", "velocity")
-_NAMED_ELEMENTS = ("link", "body", "model", "robot")
+_NAMED_ELEMENTS = ("link", "body", "model", "robot", "joint", "freejoint", "group")
 
 
 def validate_description(file: Path, root: ET.Element) -> None:
@@ -33,14 +33,18 @@ def validate_description(file: Path, root: ET.Element) -> None:
 
     Raises:
         ModelInvalid: A size is not positive or too large, a mass is negative, a range of limits is
-            empty, a limit of velocity or effort is too small, or a name contains `::`; the message
-            names the element.
+            empty, a velocity limit is too small, a joint has no name, or a name contains `::`; the
+            message names the element.
     """
     for element in root.iter():
         if "xacro" in element.tag:
             raise invalid(file, f"this is xacro source; expand it first: {expansion(file.name)}")
-        _validate_name(file, element)
+        validate_name(file, element)
         _validate_sizes(file, element)
+    nameless = [joint for joint in root.findall("joint") if not joint.get("name", "_")]
+    if nameless:  # its links would be joined by nothing
+        ends = [e.get("link", "") for tag in ("parent", "child") for e in nameless[0].findall(tag)]
+        raise invalid(file, f"the joint between {' and '.join(map(repr, ends))} has no name")
     for joint, limit in _limits(root):
         _validate_limit(file, joint, limit)
 
@@ -67,16 +71,21 @@ def number_in(file: Path, tag: str, word: str) -> float:
     return number
 
 
-def _tag(element: ET.Element) -> str:
-    return element.tag.rsplit("}", 1)[-1].removeprefix("drake:")
+def validate_name(file: Path, element: ET.Element) -> None:
+    """Raise if the name of an element, or of the model of an MJCF file, contains `::`.
 
-
-def _validate_name(file: Path, element: ET.Element) -> None:
+    Raises:
+        ModelInvalid: It does.
+    """
     tag = _tag(element)
     name = element.get("model" if tag == "mujoco" else "name", "")
     if _SCOPE in name and tag in (*_NAMED_ELEMENTS, "mujoco"):
         reason = f"{tag} {name!r}: a name must not contain {_SCOPE!r}, which separates a robot "
         raise invalid(file, reason + "from its parts", element=name)
+
+
+def _tag(element: ET.Element) -> str:
+    return element.tag.rsplit("}", 1)[-1].removeprefix("drake:")
 
 
 def _validate_sizes(file: Path, element: ET.Element) -> None:

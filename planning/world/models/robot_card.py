@@ -27,8 +27,18 @@ def _distinct(names: list[str]) -> list[str]:
     return names
 
 
+def _unscoped(name: str) -> str:
+    if not name or "::" in name:
+        message = (
+            f"a group's name is a word without '::', which comes after the robot, got {name!r}"
+        )
+        raise ValueError(message)
+    return name
+
+
 type Range = Annotated[list[Number], Field(min_length=2, max_length=2), AfterValidator(_ascending)]
 Names = Annotated[list[str], AfterValidator(_distinct)]
+GroupName = Annotated[str, AfterValidator(_unscoped)]
 
 
 class GroupCard(StrictModel):
@@ -88,7 +98,7 @@ class RobotCard(StrictModel):
     file: str
     base: str
     default_group: str
-    groups: dict[str, GroupCard] = Field(min_length=1)
+    groups: dict[GroupName, GroupCard] = Field(min_length=1)
     limits: dict[str, LimitsCard] = {}
     configurations: dict[str, dict[str, list[Number]]] = {}
     allowed_collisions: list[Annotated[list[str], Field(min_length=2, max_length=2)]] = []

@@ -119,6 +119,16 @@ ROBOTS = {
     ),
     "limit of NaN": robot(urdf(limit=limits(lower="nan")), INVALID, "limit lower must be a finite"),
     "scope in a link": robot(urdf(link="a::b"), INVALID, "link 'a::b'"),
+    "scope in a joint": robot(
+        urdf().replace('name="j"', 'name="j::k"'), INVALID, "joint 'j::k': a name must not contain"
+    ),
+    "joint of no name": robot(
+        urdf().replace('name="j"', 'name=""'), INVALID, "joint between 'base' and 'a' has no name"
+    ),
+    "SRDF with a scope in a group": robot(
+        urdf(), INVALID, "r.srdf: group 'g::h': a name must not contain '::'",
+        **{"r.srdf": '<robot name="m"><group name="g::h"><joint name="j"/></group></robot>'},
+    ),
     "box of no size": robot(urdf('<box size="0 1 1"/>'), INVALID, "box size must be positive"),
     "sphere of infinite size": robot(urdf('<sphere radius="inf"/>'), INVALID, "finite"),
     "box beyond all sizes": robot(
@@ -196,6 +206,10 @@ ROBOTS = {
     "MJCF with a range upside down": (
         {"r.xml": mjcf("", BODY.replace("-1 1", "1 -1"))}, INVALID, "joint 'j': limit lower 1"
     ),
+    "MJCF with a ball joint": (
+        {"r.xml": mjcf("", BODY.replace("hinge", "ball"))}, INVALID,
+        "supported types: ['continuous', 'floating', 'planar', 'prismatic', 'revolute']",
+    ),
     "MJCF with a scope": ({"r.xml": mjcf("", BODY.replace('"a"', '"a::b"'))}, INVALID, "'a::b'"),
     "card of a list": robot(urdf(), INVALID, "robot.yaml", **{"robot.yaml": "[]"}),
     "card with a joint twice": robot(
@@ -205,6 +219,10 @@ ROBOTS = {
     "card with a frame twice": robot(
         urdf(), INVALID, "groups.g.tool_frames: Value error, 'a' is given twice",
         **{"robot.yaml": card("groups: {g: {joints: [j], tool_frames: [a, a]}}")},
+    ),
+    "card with a scope in a group": robot(
+        urdf(), INVALID, "a group's name is a word without '::'",
+        **{"robot.yaml": card("groups: {g: {joints: [j]}, 'g::h': {joints: [j]}}")},
     ),
     "card with limits upside down": robot(
         urdf(), INVALID, "the lower bound 2 is above the upper bound 1",
@@ -275,6 +293,16 @@ MESHES = {
     "scene of no node": (gltf("scenes", 0, "nodes", to=[5]), INVALID, "scenes.0.nodes is 5"),
     "scene that is not there": (gltf("scene", to=5), INVALID, "scene is 5"),
     "glTF of a list": ({"m.gltf": "[]"}, INVALID, "not a JSON object"),
+    "glTF of infinity": (
+        gltf("nodes", 0, "matrix", to=[float("inf")] * 16), INVALID, "Infinity is no number of JSON"
+    ),
+    "glTF of NaN": (
+        gltf("nodes", 0, "matrix", to=[float("nan")] * 16), INVALID, "NaN is no number of JSON"
+    ),
+    "glTF beyond all numbers": (
+        {"m.gltf": gltf("nodes", 0, "matrix", to=[2.0] * 16)["m.gltf"].replace("2.0", "1e400")},
+        INVALID, "1e400 is no finite number",
+    ),
     "glTF of no JSON": ({"m.gltf": "{"}, INVALID, "not JSON"),
     "OBJ face beyond": ({"m.obj": _V + "f 1 2 99999\n"}, INVALID, "face 1 names vertex 99999"),
     "OBJ of NaN": ({"m.obj": _V.replace("1", "nan", 1) + _F}, INVALID, "vertex 2"),
