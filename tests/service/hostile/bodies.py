@@ -218,6 +218,10 @@ HTTP = {
     "YAML in excess": sent("POST /v1/scenes", YAML, b"# \n" * 700_000, 413, "body_too_large"),
     "check of NaN": sent(CHECK, JSON, {"group": "arm", "configurations": [[NAN] * 6]}, 422,
                          "request_invalid", "configurations.0.0"),
+    "check of more than there is time for": sent(
+        CHECK, JSON, {"group": "arm", "configurations": [[0.0] * 6] * 2_001}, 422,
+        "request_invalid", "configurations: List should have at most 2000 items",
+    ),
     "waypoint that no joint reaches": sent(
         "POST /v1/trajectories/retime", JSON,
         {"scene": "{scene}", "group": "arm", "waypoints": [[1e6] + [0.0] * 5, [0.0] * 6]}, 422,
