@@ -18,6 +18,7 @@ from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid
+from planning.goals.start_validation import ROUNDING, limit_violations
 from planning.pipeline.candidate_motions import candidates
 from planning.pipeline.certification import Refusals, certify_request, first_certified
 from planning.pipeline.motion import Motion
@@ -79,8 +80,8 @@ def retime_path(  # noqa: PLR0913  (all inputs of a request)
 
     Raises:
         UnknownName: There is no such group, body, frame or joint.
-        ProblemInvalid: There are fewer than two waypoints, one does not fit the group, or a limit
-            or constraint is invalid.
+        ProblemInvalid: There are fewer than two waypoints, one does not fit the group or is outside
+            the joints' limits, or a limit or constraint is invalid.
         RetimingFailed: The path cannot be timed.
         NotCertified: No motion along the path is proven; evidence has the failed checks.
         DeadlineExceeded: Time ran out.
@@ -92,6 +93,7 @@ def retime_path(  # noqa: PLR0913  (all inputs of a request)
         message = f"waypoints: at least 2 are needed, got {len(rows)}"
         raise ProblemInvalid(message, {"field": "waypoints", "got": len(rows)})
     path = JointPath(joints, np.array(rows)).continuous
+    _validate_within_limits(world, path)
     validate_constraints(world, joints, constraints)
     timing = resolve_retiming(world, joints, options or RetimeOptions(), path.waypoints[0])
     problem = PlanningProblem(
@@ -113,6 +115,24 @@ def retime_path(  # noqa: PLR0913  (all inputs of a request)
             deadline.with_on_expiry(watch.record_cut),
             watch,
         )
+
+
+def _validate_within_limits(world: World, path: JointPath) -> None:
+    """Raise if a waypoint is outside the position limits: no motion through it is certified.
+
+    Raises:
+        ProblemInvalid: One is; evidence has the joints and their bounds.
+    """
+    limits = world.limits(path.group)
+    excess = np.maximum(limits.lower - path.waypoints, path.waypoints - limits.upper)
+    for i in np.flatnonzero((excess > ROUNDING).any(axis=1))[:1]:
+        outside = limit_violations(limits, path.group, path.waypoints[i])
+        worst = max(outside, key=lambda entry: entry["violation"])
+        message = (
+            f"waypoints.{i}: {worst['joint']} = {worst['position']:.6g} is not in "
+            f"[{worst['lower']:.6g}, {worst['upper']:.6g}], its limits"
+        )
+        raise ProblemInvalid(message, {"field": f"waypoints.{i}", "joints": outside})
 
 
 def _first_certified(

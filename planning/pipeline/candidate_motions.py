@@ -95,7 +95,7 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
         )
     # With jerk limits a wide corner may be slower than a rest: all curves are compared.
     oracle = world.collision_oracle(group, margins)
-    curves = collision_free_curves(path, retime_options, oracle, constraints)
+    curves = collision_free_curves(path, retime_options, oracle, constraints, deadline)
     with watch.stage("retime"):
         first_curves = list(curves) if retime_options.limits_jerk else [next(curves)]
     slower = timing.certainly_slower(first_curves, timed[0]) if timed else []

@@ -139,6 +139,7 @@ def _time_piece(
     """Return one smooth piece timed, audited and slowed by the factor of the audit."""
     deadline.check("retime")
     profile = retimer.profile(smooth_piece, limits, path_limits, deadline)
+    deadline.check("retime")
     return audited(compose(smooth_piece, profile), limits, retimer.rates, path_limits, deadline)
 
 

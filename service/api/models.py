@@ -22,6 +22,7 @@ from pydantic import (
 
 from planning.domain.geometry import pose as domain
 from planning.domain.goals.goal import PoseTarget
+from planning.domain.request.options import MIN_SCALE
 from planning.domain.robot.spanning_group import joined_name
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ type Coordinate = Annotated[
     float, Strict(), AllowInfNan(allow_inf_nan=False), Field(ge=-1e6, le=1e6)
 ]
 type NonNegative = Annotated[float, Strict(), AllowInfNan(allow_inf_nan=False), Field(ge=0, le=1e6)]
-type Scale = Annotated[float, Strict(), AllowInfNan(allow_inf_nan=False), Field(gt=0, le=1)]
+type Scale = Annotated[float, Strict(), AllowInfNan(allow_inf_nan=False), Field(ge=MIN_SCALE, le=1)]
 type Triple = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
 type Quadruple = Annotated[list[Coordinate], Field(min_length=4, max_length=4)]
 type Interval = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]

@@ -12,7 +12,7 @@ from planning.domain.request.deadline import Deadline
 from planning.domain.request.options import CertifyOptions, RetimeOptions
 from planning.errors import NotCertified, ProblemInvalid, UnknownName
 from planning.world.world import World
-from tests.clocks import no_hurry
+from tests.clocks import after_looks, no_hurry
 from tests.conftest import bundled_world
 from tests.profiles import num_cases, rng_of, seeds
 
@@ -104,6 +104,30 @@ def test_corners_are_rounded_no_farther_than_asked_for(deviation: float, method:
 def test_a_deviation_that_is_no_length_is_refused(pickup: World, deviation: float) -> None:
     with pytest.raises(ProblemInvalid, match="deviation"):
         retimed(pickup, through(pickup, [0.1] * 6), options=RetimeOptions(deviation=deviation))
+
+
+@pytest.mark.parametrize("method", ["toppra", "ruckig"])
+@pytest.mark.parametrize("field", ["velocity_scale", "acceleration_scale"])
+@pytest.mark.parametrize("scale", [1e-300, 1e-160, 0.0, 1.1, np.nan])
+def test_a_scale_that_leaves_nothing_is_refused(
+    pickup: World, field: str, scale: float, method: Any
+) -> None:
+    options = RetimeOptions(method, **{field: scale})
+    with pytest.raises(ProblemInvalid, match=rf"retime.{field}: it must be in \[1e-09, 1\]"):
+        retimed(pickup, through(pickup, [0.1] * 6), options=options)
+
+
+@pytest.mark.parametrize("method", ["toppra", "ruckig"])
+def test_a_waypoint_that_no_joint_reaches_is_refused_at_once(pickup: World, method: Any) -> None:
+    path = through(pickup, [-0.3, 0, 0, 0, 0, 0], [1e6, 0, 0, 0, 0, 0])
+    with pytest.raises(ProblemInvalid, match=r"waypoints.2: arm::shoulder_pan_joint = 1e\+06 is"):
+        planning.retime_path(
+            pickup, "arm", path, deadline=after_looks(1), options=RetimeOptions(method)
+        )
+    limits = pickup.limits(pickup.group("arm"))
+    on_the_limit = through(pickup, [-0.3, 0, 0, 0, 0, 0])
+    on_the_limit[1, 5] = limits.upper[5] + 5e-7  # a rounding error
+    assert retimed(pickup, on_the_limit).certificate.proven
 
 
 @pytest.mark.parametrize("seed", seeds(6))

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import planning
+from planning.domain.curves.path import JointPath
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.goal import ConfigurationGoal, Goal, PoseGoal, PoseTarget
 from planning.domain.report.motion_plan import MotionPlan, Progress
@@ -28,9 +29,12 @@ from planning.domain.request.options import (
     SearchOptions,
 )
 from planning.domain.request.problem import PlanningProblem
+from planning.domain.robot.joints import JointType
 from planning.errors import DeadlineExceeded, GoalUnreachable, PlanningFailure
+from planning.pipeline.timing.path_curves import collision_free_curves
+from planning.retime.retimer import RETIMERS
 from tests.clocks import FakeClock, after_looks, no_hurry
-from tests.conftest import bundled_world
+from tests.conftest import bundled_world, group_of
 from tests.profiles import PROFILE, num_cases, rng_of, seeds
 
 STAGES = ("goals", "roadmap", "search", "refine", "retime", "certify", "explain")
@@ -180,6 +184,69 @@ def test_no_stage_forgets_the_clock_for_long(name: str) -> None:
     )
     gaps()
     assert gaps.longest < 0.2 * (gaps.last - began)
+
+
+def near_home(count: int) -> np.ndarray:
+    """Return waypoints about a configuration, with a corner at each."""
+    world = bundled_world("ur5e_pickup")
+    return world.positions(world.group("arm")) + rng_of(0).uniform(-0.05, 0.05, (count, 6))
+
+
+@pytest.mark.parametrize("method", ["toppra", "ruckig"])
+def test_a_path_of_many_waypoints_looks_at_the_clock(method: Any) -> None:
+    whole("jerk")  # what is made once is made
+    gaps = Gaps()
+    began = gaps.last
+    planning.retime_path(
+        bundled_world("ur5e_pickup"),
+        "arm",
+        near_home(1_000),
+        deadline=Deadline.after(9.0, gaps),
+        options=RetimeOptions(method),
+    )
+    gaps()
+    assert gaps.longest < 0.5 * (gaps.last - began)
+
+
+def test_no_piece_is_put_together_after_the_deadline(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What follows the profile of a piece takes as long as the profile itself."""
+    clock, known = FakeClock(), RETIMERS["toppra"]
+
+    def late(*arguments: Any) -> Any:
+        profile = known.profile(*arguments)
+        clock.advance(2 * ALLOWED)
+        return profile
+
+    monkeypatch.setitem(RETIMERS, "toppra", replace(known, profile=late))
+    with pytest.raises(DeadlineExceeded) as caught:
+        planning.retime_path(
+            bundled_world("ur5e_pickup"), "arm", near_home(3), deadline=Deadline.after(1.0, clock)
+        )
+    assert caught.value.stage == "retime"
+
+
+@dataclass
+class Counting:
+    """Checker for which all is free, and the number of configurations of each of its calls."""
+
+    batches: list[int] = field(default_factory=list)
+
+    def are_free(self, qs: np.ndarray) -> np.ndarray:
+        self.batches.append(len(qs))
+        return np.ones(len(qs), dtype=bool)
+
+
+@pytest.mark.parametrize("method", ["toppra", "ruckig"])
+def test_a_way_of_kilometres_is_not_checked_in_one_breath(method: Any) -> None:
+    group = group_of(JointType.PRISMATIC)
+    checker: Any = Counting()
+    path = JointPath(group, np.array([[0.0], [1e4], [0.0], [5e3]]))
+    curves = collision_free_curves(path, RetimeOptions(method), checker, None, after_looks(5))
+    with pytest.raises(DeadlineExceeded) as caught:
+        list(curves)
+    assert caught.value.stage == "retime"
+    assert max(checker.batches) <= 2_000
+    assert sum(checker.batches) <= 20_000
 
 
 @pytest.mark.parametrize(

@@ -213,6 +213,23 @@ def test_a_urdf_is_welded_unless_the_scene_wants_it_to_float(load: Callable[...,
     np.testing.assert_allclose(world.frame_pose("r::base", world.state).position, [1, 2, 3])
 
 
+@pytest.mark.parametrize("weld", [None, True])
+def test_a_link_that_a_joint_lets_float_is_no_base(
+    load: Callable[..., World], weld: bool | None
+) -> None:
+    world = load("m.urdf", URDF.replace("revolute", "floating"), weld=weld, base=PLACE)
+    assert world.group("r").num_positions == 7
+    assert scene_summary(world).warnings == ()
+    np.testing.assert_allclose(world.frame_pose("r::base", world.state).position, [1, 2, 3])
+
+
+def test_a_link_without_a_joint_is_told_what_helps(load: Callable[..., World]) -> None:
+    two = URDF.replace('<link name="a"/>', '<link name="a"/><link name="lone"/>')
+    (warning,) = scene_summary(load("m.urdf", two)).warnings
+    assert warning.startswith("r: its link 'lone' has no parent joint and is not its base")
+    assert "weld" not in warning
+
+
 def test_what_the_description_settles_is_refused(load: Callable[..., World]) -> None:
     fixed = MJCF.format("")
     assert load("m.xml", fixed).group("r").num_positions == 1

@@ -11,6 +11,9 @@ from planning.domain.robot.payload import Payload
 from planning.domain.robot.steering import Steering
 from planning.domain.value import Value
 
+# Smallest factor on limits: with it a motion of three seconds takes a century.
+MIN_SCALE = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class PoseMetric(Value):
@@ -202,8 +205,8 @@ class RetimeOptions(Value):
 
     Attributes:
         method: "toppra" (velocity, acceleration) or "ruckig" (and jerk).
-        velocity_scale: Factor on every velocity limit, in (0, 1].
-        acceleration_scale: Factor on every acceleration and jerk limit, in (0, 1].
+        velocity_scale: Factor on every velocity limit, from `MIN_SCALE` to 1.
+        acceleration_scale: Factor on every acceleration and jerk limit, likewise.
         sample_period: Of the delivered samples [s].
         duration: Requested duration [s], no less than the minimum under the limits; None for that
             minimum.

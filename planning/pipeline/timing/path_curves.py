@@ -5,8 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline
 from planning.domain.curves.path import JointPath
+from planning.domain.request.deadline import Deadline
 from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.steering import steering_of
 from planning.retime.blend import blend_corners
@@ -19,6 +21,8 @@ from planning.world.world import CollisionChecker
 _DEVIATIONS = (0.1, 0.03, 0.008, 0.0)
 # Sample spacing of the collision check of a curve before it is timed (joint-space length).
 _COARSE_SPACING = 0.03
+# Number of samples from one look at the clock to the next.
+_NUM_SAMPLES = 2_000
 
 
 @dataclass(frozen=True)
@@ -41,24 +45,43 @@ def collision_free_curves(
     options: RetimeOptions,
     checker: CollisionChecker,
     constraints: PathConstraints | None,
+    deadline: Deadline,
 ) -> Iterator[PathCurve]:
     """Yield the curves that are free and satisfy path constraints at coarse samples.
 
     The path itself is the last one, without that check.
+
+    Raises:
+        DeadlineExceeded: Time ran out.
+        Canceled: Cancellation was requested.
     """
-    count = int(path.length / _COARSE_SPACING) + 2
+
+    def is_free(curve: PathCurve) -> bool:
+        """Return whether the curve may be timed, by samples."""
+        for samples in _samples(curve.spline, path.length, deadline):
+            if constraints is not None and not constraints.are_satisfied(samples).all():
+                return False
+            if not checker.are_free(samples).all():
+                return False
+        return True
+
     curve, is_yielded = None, True
     for curve in _curves(path, options):
-        samples = curve.spline.positions(np.linspace(0.0, 1.0, count))
-        is_yielded = curve.deviation == 0 or (
-            (constraints is None or bool(constraints.are_satisfied(samples).all()))
-            and bool(checker.are_free(samples).all())
-        )
+        is_yielded = curve.deviation == 0 or is_free(curve)
         if is_yielded:
             yield curve
     # Without corners to round, the last curve is the path itself under another name.
     if curve is not None and not is_yielded:
         yield PathCurve("path itself", 0.0, curve.spline)
+
+
+def _samples(spline: JointSpline, length: float, deadline: Deadline) -> Iterator[Array]:
+    """Yield samples of a curve near a path of some length, a part of them at a time."""
+    parameters = np.linspace(0.0, 1.0, int(length / _COARSE_SPACING) + 2)
+    for begin in range(0, len(parameters), _NUM_SAMPLES):
+        if begin:
+            deadline.check("retime")
+        yield spline.positions(parameters[begin : begin + _NUM_SAMPLES])
 
 
 def _curves(path: JointPath, options: RetimeOptions) -> Iterator[PathCurve]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from planning.domain.arrays import Array
 from planning.domain.request.motion_limits import SpeedZone, validate_signed_blocks
-from planning.domain.request.options import RetimeOptions
+from planning.domain.request.options import MIN_SCALE, RetimeOptions
 from planning.domain.robot.joints import JointGroup
 from planning.errors import ProblemInvalid
 from planning.world.mechanics.dynamics import validate_payload
@@ -33,6 +33,9 @@ def resolve_retiming(
         UnknownName: A frame or joint does not exist.
         ProblemInvalid: A number is invalid, or a name occurs twice.
     """
+    for name in ("velocity_scale", "acceleration_scale"):
+        is_scale = MIN_SCALE <= getattr(options, name) <= 1
+        _validate(is_scale, f"{field_prefix}{name}", f"it must be in [{MIN_SCALE:g}, 1]")
     _validate_tool_limits(world, options, field_prefix)
     _validate_zones(world, options.speed_zones, field_prefix)
     _validate_bounds(group, options, field_prefix)

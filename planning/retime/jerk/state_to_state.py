@@ -93,6 +93,8 @@ def _solve(joints: tuple[Joint, ...], ruckig_input: Any) -> TimedTrajectory:
         reason = f"code {code}"
     except ruckig.RuckigError as fault:
         code, reason = -1, str(fault).strip().splitlines()[0]
+    except ValueError:  # ruckig's ErrorTrajectoryDuration, which its Python enumeration lacks
+        code, reason = -101, "it would take longer than ruckig computes"
     if code < 0:
         message = f"ruckig found no motion between the states: {reason}"
         raise RetimingFailed(message, {"method": "ruckig", "result": reason})

@@ -163,17 +163,42 @@ class DistanceProbe:
         No distance is larger than the true one. Drake's may be; they bound the search for true
         ones, which take longer.
         """
-        pairs: tuple[BodyPair, ...] = ()
+        smallest: float | None = None
         for query_distance in self._query_distances(full, include_within, max_distance):
-            pairs = self.pairs_within(full, query_distance)
-            if pairs:
+            smallest = self._smallest_within(full, query_distance)
+            if smallest is not None:
                 break
         query_distance = (
-            max(include_within, pairs[0].distance + _DISTANCE_TOLERANCE, 0.0)
-            if pairs
-            else include_within
+            include_within
+            if smallest is None
+            else max(include_within, smallest + _DISTANCE_TOLERANCE, 0.0)
         )
         return self.pairs_within(full, query_distance, exactly=True)
+
+    def _smallest_within(self, full: Array, distance: float) -> float | None:
+        """Return the smallest distance of all pairs, if it is at most `distance` [m].
+
+        Where shapes overlap it is any distance of two that do.
+        """
+        self._near_static.set_positions(full)
+        found = [
+            length
+            for rows, is_first in self._near_static.register_within(distance)
+            for length in self._smallest_of_batch(rows, distance, is_first=is_first)
+        ]
+        return min(found, default=None)
+
+    def _smallest_of_batch(
+        self, rows: list[int], distance: float, *, is_first: bool
+    ) -> Iterator[float]:
+        """Yield Drake's smallest distance, if any, and all that are measured here [m]."""
+        query, chosen = self._near_static.query, set(rows)
+        for drake_pair in sorted(distances_within(query, distance), key=lambda p: p.distance):
+            if self._drake_bodies(drake_pair, chosen, is_first=is_first):
+                yield float(drake_pair.distance)
+                break
+        for pair in self._measured(rows, distance, is_first=is_first):
+            yield pair.distance
 
     def _query_distances(
         self, full: Array, include_within: float, max_distance: float
@@ -220,20 +245,13 @@ class DistanceProbe:
         self, rows: list[int], distance: float, *, is_first: bool, exactly: bool
     ) -> Iterator[tuple[tuple[Any, Any], tuple[str, str], float, Array]]:
         """Yield the same for the objects in some rows, and at first for the model's own pairs."""
-        query, near_static, chosen = self._near_static.query, self._near_static, set(rows)
+        query, chosen = self._near_static.query, set(rows)
         overlapping: set[tuple[Any, Any]] = set()
         query_distance = inflated_query_distance(distance) if exactly else distance
         for drake_pair in distances_within(query, query_distance):
             ids = drake_pair.id_A, drake_pair.id_B
-            static_rows = {near_static.row(i) for i in ids} - {None}
-            is_in_batch = static_rows <= chosen if static_rows else is_first
-            bodies = near_static.bodies(ids) if is_in_batch else None
-            is_measured_here = near_static.are_boxes(ids) and drake_pair.distance > 0
-            if (
-                bodies
-                and not is_measured_here
-                and self._measured_pairs.uses_drake_distance(ids, drake_pair.distance)
-            ):
+            bodies = self._drake_bodies(drake_pair, chosen, is_first=is_first)
+            if bodies:
                 overlapping.add(ids)
                 length = (
                     self._lower_bounds.lower_bound(drake_pair, query)
@@ -245,10 +263,28 @@ class DistanceProbe:
                 p_wa = query.GetPoseInWorld(drake_pair.id_A).multiply(drake_pair.p_ACa)
                 p_wb = query.GetPoseInWorld(drake_pair.id_B).multiply(drake_pair.p_BCb)
                 yield ids, bodies, length, np.array([p_wa, p_wb])
-        measured = self._measured_pairs.within(query, distance) if is_first else ()
-        for pair in chain(measured, near_static.boxes_within(rows, distance)):
+        for pair in self._measured(rows, distance, is_first=is_first):
             if pair.ids not in overlapping and pair.ids[::-1] not in overlapping:
                 yield pair.ids, pair.bodies, pair.distance, pair.points
+
+    def _drake_bodies(
+        self, drake_pair: Any, chosen: set[int], *, is_first: bool
+    ) -> tuple[str, str] | None:
+        """Return the bodies of a pair whose distance is Drake's, not measured here; else None."""
+        near_static, ids = self._near_static, (drake_pair.id_A, drake_pair.id_B)
+        static_rows = {near_static.row(i) for i in ids} - {None}
+        is_in_batch = static_rows <= chosen if static_rows else is_first
+        bodies = near_static.bodies(ids) if is_in_batch else None
+        is_measured_here = near_static.are_boxes(ids) and drake_pair.distance > 0
+        if not bodies or is_measured_here:
+            return None
+        is_drakes = self._measured_pairs.uses_drake_distance(ids, drake_pair.distance)
+        return bodies if is_drakes else None
+
+    def _measured(self, rows: list[int], distance: float, *, is_first: bool) -> Iterator[Any]:
+        """Return the pairs within `distance` [m] that are measured here, by rows as of a batch."""
+        own = self._measured_pairs.within(self._near_static.query, distance) if is_first else ()
+        return chain(own, self._near_static.boxes_within(rows, distance))
 
 
 def make_collision_checker(model: DrakeModel) -> SceneGraphCollisionChecker:

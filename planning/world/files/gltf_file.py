@@ -6,6 +6,7 @@ indices as they are; each of these ends the process.
 
 import base64
 import json
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -30,7 +31,9 @@ def validate_gltf(file: Path) -> None:
         ValueError: One does not; the message names the element, such as `accessor 3`.
     """
     try:
-        document = json.loads(file.read_bytes())
+        document = json.loads(
+            file.read_bytes(), parse_constant=_refuse_constant, parse_float=_finite
+        )
     except (ValueError, RecursionError) as fault:
         message = f"it is not JSON: {str(fault)[:200]}"
         raise ValueError(message) from fault
@@ -38,6 +41,20 @@ def validate_gltf(file: Path) -> None:
         message = "it is not a JSON object"
         raise ValueError(message)  # noqa: TRY004  (the caller's one kind of fault)
     _Gltf(document, file.parent).validate()
+
+
+def _refuse_constant(word: str) -> float:
+    """Raise on what Python's JSON has besides JSON's, and no other reader: NaN and Infinity."""
+    message = f"{word} is no number of JSON"
+    raise ValueError(message)
+
+
+def _finite(word: str) -> float:
+    number = float(word)
+    if not math.isfinite(number):
+        message = f"{word} is no finite number"
+        raise ValueError(message)
+    return number
 
 
 class _Gltf:

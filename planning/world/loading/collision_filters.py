@@ -9,7 +9,7 @@ from planning.errors import SceneInvalid, UnknownName
 from planning.world.loading.adjacent_links import unchecked_neighbours
 from planning.world.loading.attached_objects import allowed_contact_bodies
 from planning.world.loading.scene_build import Build, LoadedRobot
-from planning.world.models.srdf import end_effector_joints
+from planning.world.models.srdf.srdf_file import end_effector_joints
 
 
 def allow_collisions(build: Build, scene: Scene) -> None:

@@ -24,7 +24,7 @@ def weld_base(build: Build, loaded: LoadedRobot, instances: Sequence[ModelInstan
         SceneInvalid: The scene contradicts the description.
     """
     robot = loaded.scene_robot
-    free = _free_links(build, instances)
+    free = _free_links(build, loaded, instances)
     base = _base_link(build, loaded, free)
     x_wb = RigidTransform(robot.base.matrix)
     is_urdf = loaded.source.card is not None or loaded.file.root_link != ""
@@ -37,15 +37,22 @@ def weld_base(build: Build, loaded: LoadedRobot, instances: Sequence[ModelInstan
         _validate_stated_weld(build, loaded, base)
         build.plant.SetDefaultFloatingBaseBodyPose(base, x_wb)
     if robot.weld is None:
-        build.warnings += [_floating_warning(robot.name, link.name()) for link in free]
+        build.warnings += [
+            _floating_warning(robot.name, link.name(), is_base=link is base) for link in free
+        ]
 
 
-def _free_links(build: Build, instances: Sequence[ModelInstanceIndex]) -> list[RigidBody]:
+def _free_links(
+    build: Build, loaded: LoadedRobot, instances: Sequence[ModelInstanceIndex]
+) -> list[RigidBody]:
     """Return the root links: those without a parent joint."""
     plant = build.plant
+    joined = {joint.child for joint in loaded.file.floating}  # by joints that Drake does not have
     carried = {int(plant.get_joint(i).child_body().index()) for i in plant.GetJointIndices()}
     links = [plant.get_body(i) for one in instances for i in plant.GetBodyIndices(one)]
-    return [link for link in links if int(link.index()) not in carried]
+    return [
+        link for link in links if int(link.index()) not in carried and link.name() not in joined
+    ]
 
 
 def _base_link(build: Build, loaded: LoadedRobot, free: list[RigidBody]) -> RigidBody | None:
@@ -87,7 +94,12 @@ def _validate_stated_weld(build: Build, loaded: LoadedRobot, base: RigidBody) ->
         raise SceneInvalid(message, {"path": path, "link": base.name()})
 
 
-def _floating_warning(robot: str, link: str) -> str:
+def _floating_warning(robot: str, link: str, *, is_base: bool) -> str:
+    if not is_base:
+        return (
+            f"{robot}: its link {link!r} has no parent joint and is not its base, so it floats: "
+            "add a joint from another link to it"
+        )
     return (
         f"{robot}: its base link {link!r} has no parent joint, so it is a floating base: "
         f"`weld: true` of robot {robot!r} welds it to the world, `weld: false` confirms the "

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from planning.domain.robot.joints import Joint
 from planning.world.loading.scene_build import LoadedRobot
 from planning.world.models.robot_card import RobotCard
-from planning.world.models.srdf import read_srdf
+from planning.world.models.srdf.srdf_file import read_srdf
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from planning.world.drake_model import DrakeModel
 from planning.world.loading.scene_build import LoadedRobot
 from planning.world.mechanics.joint_followers import is_continuous, joint_followers
 from planning.world.models.default_groups import wanted_groups
+from planning.world.models.model_faults import invalid
 from planning.world.models.robot_card import EffortCard, LimitsCard
 
 # Default limits: half a second to full speed, a tenth of a second to full acceleration.
@@ -163,11 +164,11 @@ def _joints_of(model: DrakeModel, loaded: LoadedRobot) -> dict[str, Joint]:
     for full in model.joint_indices:
         name = full.removeprefix(prefix)
         if full.startswith(prefix) and name not in followers:
-            joints[name] = Joint(full, _type_of(model, full))
+            joints[name] = Joint(full, _type_of(model, full, loaded))
     return joints
 
 
-def _type_of(model: DrakeModel, name: str) -> JointType:
+def _type_of(model: DrakeModel, name: str, loaded: LoadedRobot) -> JointType:
     joint = model.plant.get_joint(model.joint_indices[name])
     match joint:
         case RevoluteJoint():
@@ -179,9 +180,9 @@ def _type_of(model: DrakeModel, name: str) -> JointType:
         case QuaternionFloatingJoint():
             return JointType.FLOATING
         case RpyFloatingJoint() | _:
-            kinds = sorted(JointType)
-            message = f"joint {name!r} has type {joint.type_name()!r}; supported types: {kinds}"
-            raise ModelInvalid(message, {"joint": name, "reason": message})
+            kinds = sorted(kind.value for kind in JointType)
+            reason = f"joint {name!r} has type {joint.type_name()!r}; supported types: {kinds}"
+            raise invalid(loaded.file.file, reason, joint=name)
 
 
 def _default_tool_frames(model: DrakeModel, joints: tuple[Joint, ...]) -> tuple[str, ...]:

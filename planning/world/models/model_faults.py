@@ -16,23 +16,35 @@ _POSITIVE = {
     "capsule": ("radius", "length"),
     "ellipsoid": ("a", "b", "c"),
 }
+# Sizes [m] and scales that may be zero or negative: those of MJCF's shapes, and of meshes.
+_BOUNDED = {"geom": ("size", "fromto"), "mesh": ("scale",)}
+# Largest size [m], as that of shapes in scenes.
+_MAX_SIZE = 1e4
+# Smallest limit of a velocity [rad/s or m/s] or an effort [N m or N], as in robot.yaml; 0 for none.
+_MIN_LIMIT = 1e-6
 # Drake's scope separator; a link with it in its own name ends the process.
 _SCOPE = "::"
-_NAMED_ELEMENTS = ("link", "body", "model", "robot")
+_SDF_KEYS = ("lower", "upper", "velocity")
+_NAMED_ELEMENTS = ("link", "body", "model", "robot", "joint", "freejoint", "group")
 
 
 def validate_description(file: Path, root: ET.Element) -> None:
     """Raise if a part of a description would crash or mislead Drake.
 
     Raises:
-        ModelInvalid: A size is not positive, a mass is negative, a range of limits is empty, or a
-            name contains `::`; the message names the element.
+        ModelInvalid: A size is not positive or too large, a mass is negative, a range of limits is
+            empty, a velocity limit is too small, a joint has no name, or a name contains `::`; the
+            message names the element.
     """
     for element in root.iter():
         if "xacro" in element.tag:
             raise invalid(file, f"this is xacro source; expand it first: {expansion(file.name)}")
-        _validate_name(file, element)
+        validate_name(file, element)
         _validate_sizes(file, element)
+    nameless = [joint for joint in root.findall("joint") if not joint.get("name", "_")]
+    if nameless:  # its links would be joined by nothing
+        ends = [e.get("link", "") for tag in ("parent", "child") for e in nameless[0].findall(tag)]
+        raise invalid(file, f"the joint between {' and '.join(map(repr, ends))} has no name")
     for joint, limit in _limits(root):
         _validate_limit(file, joint, limit)
 
@@ -59,16 +71,21 @@ def number_in(file: Path, tag: str, word: str) -> float:
     return number
 
 
-def _tag(element: ET.Element) -> str:
-    return element.tag.rsplit("}", 1)[-1].removeprefix("drake:")
+def validate_name(file: Path, element: ET.Element) -> None:
+    """Raise if the name of an element, or of the model of an MJCF file, contains `::`.
 
-
-def _validate_name(file: Path, element: ET.Element) -> None:
+    Raises:
+        ModelInvalid: It does.
+    """
     tag = _tag(element)
     name = element.get("model" if tag == "mujoco" else "name", "")
     if _SCOPE in name and tag in (*_NAMED_ELEMENTS, "mujoco"):
         reason = f"{tag} {name!r}: a name must not contain {_SCOPE!r}, which separates a robot "
         raise invalid(file, reason + "from its parts", element=name)
+
+
+def _tag(element: ET.Element) -> str:
+    return element.tag.rsplit("}", 1)[-1].removeprefix("drake:")
 
 
 def _validate_sizes(file: Path, element: ET.Element) -> None:
@@ -77,12 +94,16 @@ def _validate_sizes(file: Path, element: ET.Element) -> None:
         mass = element.get("value", element.text)
         if mass is not None and not number_in(file, tag, mass) >= 0:
             raise invalid(file, f"mass {mass} must not be negative", element=tag)
-    for size in _POSITIVE.get(tag, ()):
+    for size in (*_POSITIVE.get(tag, ()), *_BOUNDED.get(tag, ())):
         child = element.find(size)
         text = element.get(size) or (child.text if child is not None else None)
         for word in (text or "").split():
-            if not number_in(file, tag, word) > 0:
+            number = number_in(file, tag, word)
+            if tag in _POSITIVE and not number > 0:
                 reason = f"{tag} {size} must be positive, got {text!r}"
+                raise invalid(file, reason, element=tag)
+            if abs(number) > _MAX_SIZE:
+                reason = f"{tag} {size} must be at most {_MAX_SIZE:g}, got {text!r}"
                 raise invalid(file, reason, element=tag)
 
 
@@ -101,7 +122,10 @@ def _limits(root: ET.Element) -> Iterator[tuple[str, dict[str, str]]]:
         else:
             for limit in joint.iterfind(".//limit"):
                 words_of = {child.tag: (child.text or "").strip() for child in limit}
-                yield name, {key: words_of[key] for key in ("lower", "upper") if words_of.get(key)}
+                stated = {key: words_of[key] for key in _SDF_KEYS if words_of.get(key)}
+                if stated.get("velocity", "").startswith("-"):  # that is no limit in SDF
+                    del stated["velocity"]
+                yield name, stated
 
 
 def _validate_limit(file: Path, joint: str, limit: dict[str, str]) -> None:
@@ -114,9 +138,13 @@ def _validate_limit(file: Path, joint: str, limit: dict[str, str]) -> None:
         reason = f"{joint}: limit lower {limit['lower']} is above upper {limit['upper']}"
         raise invalid(file, reason, element=joint)
     for key in ("velocity", "effort"):
-        if known.get(key, 0.0) < 0:
+        bound = known.get(key, 0.0)
+        if bound < 0:
             reason = f"{joint}: limit {key} {limit[key]} must not be negative"
             raise invalid(file, reason, element=joint)
+        if 0 < bound < _MIN_LIMIT:
+            reason = f"{joint}: limit {key} {limit[key]} must be at least {_MIN_LIMIT:g}, or 0 for "
+            raise invalid(file, reason + "none", element=joint)
 
 
 def _bound(file: Path, what: str, word: str) -> float:

@@ -23,8 +23,15 @@ from planning.world.models.mjcf_file import (
     validate_supported_elements,
     with_includes,
 )
-from planning.world.models.model_faults import invalid, number_in, validate_description
+from planning.world.models.model_faults import (
+    invalid,
+    number_in,
+    validate_description,
+    validate_name,
+)
 
+# Largest dry friction [N m or N].
+_MAX_FRICTION = 1e6
 PACKAGE = re.compile(r"^(?:package|model)://([^/]+)/(.*)$")
 
 
@@ -269,6 +276,10 @@ def _frictions(file: Path, root: ET.Element) -> dict[str, float]:
         friction = number_in(file, f"joint {name!r}: friction", word)
         if friction < 0:
             raise invalid(file, f"joint {name!r}: friction {word} must not be negative")
+        if friction > _MAX_FRICTION:
+            raise invalid(
+                file, f"joint {name!r}: friction {word} must be at most {_MAX_FRICTION:g}"
+            )
         if friction > 0:
             frictions[name] = friction
     return frictions
@@ -279,7 +290,10 @@ def _disabled_pairs(file: Path) -> list[tuple[str, str]]:
     srdf = file.with_suffix(".srdf")
     if file.suffix.lower() != ".urdf" or not srdf.is_file():
         return []
-    pairs = _parse(srdf).iter("disable_collisions")
+    root = _parse(srdf)
+    for group in root.findall("group"):
+        validate_name(srdf, group)
+    pairs = root.iter("disable_collisions")
     return [(pair.get("link1", ""), pair.get("link2", "")) for pair in pairs]
 
 

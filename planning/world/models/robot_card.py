@@ -5,20 +5,47 @@ from pathlib import Path
 from typing import Annotated
 
 import yaml
-from pydantic import Field, ValidationError
+from pydantic import AfterValidator, Field, ValidationError
 
 from planning.errors import ModelInvalid
 from planning.world.documents.strict_model import Boolean, Number, Positive, StrictModel
 from planning.world.documents.yaml_text import read_yaml
 
-type Range = Annotated[list[Number], Field(min_length=2, max_length=2)]
+
+def _ascending(bounds: list[float]) -> list[float]:
+    if bounds[0] > bounds[1]:
+        message = f"the lower bound {bounds[0]:g} is above the upper bound {bounds[1]:g}"
+        raise ValueError(message)
+    return bounds
+
+
+def _distinct(names: list[str]) -> list[str]:
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        message = f"{twice[0]!r} is given twice"
+        raise ValueError(message)
+    return names
+
+
+def _unscoped(name: str) -> str:
+    if not name or "::" in name:
+        message = (
+            f"a group's name is a word without '::', which comes after the robot, got {name!r}"
+        )
+        raise ValueError(message)
+    return name
+
+
+type Range = Annotated[list[Number], Field(min_length=2, max_length=2), AfterValidator(_ascending)]
+Names = Annotated[list[str], AfterValidator(_distinct)]
+GroupName = Annotated[str, AfterValidator(_unscoped)]
 
 
 class GroupCard(StrictModel):
     """Joint group of a robot card."""
 
-    joints: list[str] = Field(min_length=1)
-    tool_frames: list[str] = []
+    joints: Names = Field(min_length=1)
+    tool_frames: Names = []
 
 
 class RateCard(StrictModel):
@@ -71,7 +98,7 @@ class RobotCard(StrictModel):
     file: str
     base: str
     default_group: str
-    groups: dict[str, GroupCard] = Field(min_length=1)
+    groups: dict[GroupName, GroupCard] = Field(min_length=1)
     limits: dict[str, LimitsCard] = {}
     configurations: dict[str, dict[str, list[Number]]] = {}
     allowed_collisions: list[Annotated[list[str], Field(min_length=2, max_length=2)]] = []

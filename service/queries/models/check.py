@@ -29,7 +29,7 @@ class CheckRequest(RequestModel):
     )
 
     group: GroupName = Field(description=GROUP)
-    configurations: Annotated[list[GroupPositions], Field(min_length=1, max_length=10_000)] = Field(
+    configurations: Annotated[list[GroupPositions], Field(min_length=1, max_length=2_000)] = Field(
         description="The group's positions, one row each [rad or m]"
     )
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(

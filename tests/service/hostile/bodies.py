@@ -148,6 +148,14 @@ REQUESTS = {
     "endless time": asked(
         plan(search={"allowed_planning_time": INF}), "request_invalid", "allowed_planning_time"
     ),
+    "velocities of next to nothing": asked(
+        plan(retime={"velocity_scale": 1e-160}), "request_invalid", "retime.velocity_scale"
+    ),
+    "accelerations of next to nothing": asked(
+        plan(retime={"method": "ruckig", "acceleration_scale": 1e-20}),
+        "request_invalid",
+        "body.retime.acceleration_scale: Input should be greater than or equal to 0.000000001",
+    ),
     "scene of a path": asked(plan(scene="../x"), "not_found", "scene", 404),
 }
 
@@ -210,6 +218,15 @@ HTTP = {
     "YAML in excess": sent("POST /v1/scenes", YAML, b"# \n" * 700_000, 413, "body_too_large"),
     "check of NaN": sent(CHECK, JSON, {"group": "arm", "configurations": [[NAN] * 6]}, 422,
                          "request_invalid", "configurations.0.0"),
+    "check of more than there is time for": sent(
+        CHECK, JSON, {"group": "arm", "configurations": [[0.0] * 6] * 2_001}, 422,
+        "request_invalid", "configurations: List should have at most 2000 items",
+    ),
+    "waypoint that no joint reaches": sent(
+        "POST /v1/trajectories/retime", JSON,
+        {"scene": "{scene}", "group": "arm", "waypoints": [[1e6] + [0.0] * 5, [0.0] * 6]}, 422,
+        "problem_invalid", "waypoints.0: arm::shoulder_pan_joint = 1e+06 is not in [-6.28319, 6.2",
+    ),
     "edit that is misspelt": sent(
         "PATCH /v1/scenes/{scene}", JSON, {"operations": [{"op": "mve", "object": "a"}]}, 422,
         "request_invalid", "operations.0",

@@ -26,6 +26,10 @@ def limits(lower=-1, upper=1, velocity=1, effort=1):
     return f'<limit lower="{lower}" upper="{upper}" velocity="{velocity}" effort="{effort}"/>'
 
 
+def card(more):
+    return f"name: b\nfile: r.urdf\nbase: base\ndefault_group: g\n{more}\n"
+
+
 def robot(text, code, word, **more):
     return {**more, "r.urdf": text}, code, word
 
@@ -98,10 +102,60 @@ ROBOTS = {
     ),
     "effort below zero": robot(urdf(limit=limits(effort=-1)), INVALID, "limit effort -1"),
     "effort of a word": robot(urdf(limit=limits(effort="much")), INVALID, "effort must be a"),
+    "velocity of next to nothing": robot(
+        urdf(limit=limits(velocity="1e-300")), INVALID,
+        "joint 'j': limit velocity 1e-300 must be at least 1e-06, or 0 for none",
+    ),
+    "SDF with a velocity of next to nothing": (
+        {"r.sdf": sdf("").replace("</upper>", "</upper><velocity>1e-9</velocity>")}, INVALID,
+        "limit velocity 1e-9 must be at least",
+    ),
+    "effort of next to nothing": robot(
+        urdf(limit=limits(effort="1e-300")), INVALID, "limit effort 1e-300 must be at least 1e-06"
+    ),
+    "friction beyond all numbers": robot(
+        urdf(limit=LIMIT + '<dynamics friction="1e300"/>'), INVALID,
+        "joint 'j': friction 1e300 must be at most 1e+06",
+    ),
     "limit of NaN": robot(urdf(limit=limits(lower="nan")), INVALID, "limit lower must be a finite"),
     "scope in a link": robot(urdf(link="a::b"), INVALID, "link 'a::b'"),
+    "scope in a joint": robot(
+        urdf().replace('name="j"', 'name="j::k"'), INVALID, "joint 'j::k': a name must not contain"
+    ),
+    "joint of no name": robot(
+        urdf().replace('name="j"', 'name=""'), INVALID, "joint between 'base' and 'a' has no name"
+    ),
+    "SRDF with a scope in a group": robot(
+        urdf(), INVALID, "r.srdf: group 'g::h': a name must not contain '::'",
+        **{"r.srdf": '<robot name="m"><group name="g::h"><joint name="j"/></group></robot>'},
+    ),
     "box of no size": robot(urdf('<box size="0 1 1"/>'), INVALID, "box size must be positive"),
     "sphere of infinite size": robot(urdf('<sphere radius="inf"/>'), INVALID, "finite"),
+    "box beyond all sizes": robot(
+        urdf('<box size="1 1e300 1"/>'), INVALID, "box size must be at most 10000, got '1 1e300 1'"
+    ),
+    "wide cylinder": robot(
+        urdf('<cylinder radius="1e300" length="1"/>'), INVALID, "cylinder radius must be at most"
+    ),
+    "long cylinder": robot(
+        urdf('<cylinder radius="1" length="1e300"/>'), INVALID, "cylinder length must be at most"
+    ),
+    "wide capsule": robot(
+        urdf('<capsule radius="1e300" length="1"/>'), INVALID, "capsule radius must be at most"
+    ),
+    "SDF with a box beyond all sizes": (
+        {"r.sdf": sdf('<link name="c"><collision name="c"><geometry><box><size>1e300 1 1</size>'
+                      "</box></geometry></collision></link>")},
+        INVALID, "box size must be at most 10000",
+    ),
+    "MJCF with a box beyond all sizes": (
+        {"r.xml": mjcf("", BODY.replace('type="sphere" size=".1"', 'type="box" size="1e300 1 1"'))},
+        INVALID, "geom size must be at most 10000, got '1e300 1 1'",
+    ),
+    "MJCF with a capsule beyond all sizes": (
+        {"r.xml": mjcf("", BODY.replace("sphere", 'capsule" fromto="0 0 0 1e300 0 0'))}, INVALID,
+        "geom fromto must be at most 10000",
+    ),
     "mass below zero": robot(
         urdf(more='<link name="c"><inertial><mass value="-1"/></inertial></link>'), INVALID,
         "mass -1",
@@ -152,8 +206,28 @@ ROBOTS = {
     "MJCF with a range upside down": (
         {"r.xml": mjcf("", BODY.replace("-1 1", "1 -1"))}, INVALID, "joint 'j': limit lower 1"
     ),
+    "MJCF with a ball joint": (
+        {"r.xml": mjcf("", BODY.replace("hinge", "ball"))}, INVALID,
+        "supported types: ['continuous', 'floating', 'planar', 'prismatic', 'revolute']",
+    ),
     "MJCF with a scope": ({"r.xml": mjcf("", BODY.replace('"a"', '"a::b"'))}, INVALID, "'a::b'"),
     "card of a list": robot(urdf(), INVALID, "robot.yaml", **{"robot.yaml": "[]"}),
+    "card with a joint twice": robot(
+        urdf(), INVALID, "groups.g.joints: Value error, 'j' is given twice",
+        **{"robot.yaml": card("groups: {g: {joints: [j, j]}}")},
+    ),
+    "card with a frame twice": robot(
+        urdf(), INVALID, "groups.g.tool_frames: Value error, 'a' is given twice",
+        **{"robot.yaml": card("groups: {g: {joints: [j], tool_frames: [a, a]}}")},
+    ),
+    "card with a scope in a group": robot(
+        urdf(), INVALID, "a group's name is a word without '::'",
+        **{"robot.yaml": card("groups: {g: {joints: [j]}, 'g::h': {joints: [j]}}")},
+    ),
+    "card with limits upside down": robot(
+        urdf(), INVALID, "the lower bound 2 is above the upper bound 1",
+        **{"robot.yaml": card("groups: {g: {joints: [j]}}\nlimits: {j: {position: {x: [2, 1]}}}")},
+    ),
     "card of a template": robot(urdf(), INVALID, "template", **{"robot.yaml": "{{ card }}"}),
 }  # fmt: skip
 
@@ -219,6 +293,16 @@ MESHES = {
     "scene of no node": (gltf("scenes", 0, "nodes", to=[5]), INVALID, "scenes.0.nodes is 5"),
     "scene that is not there": (gltf("scene", to=5), INVALID, "scene is 5"),
     "glTF of a list": ({"m.gltf": "[]"}, INVALID, "not a JSON object"),
+    "glTF of infinity": (
+        gltf("nodes", 0, "matrix", to=[float("inf")] * 16), INVALID, "Infinity is no number of JSON"
+    ),
+    "glTF of NaN": (
+        gltf("nodes", 0, "matrix", to=[float("nan")] * 16), INVALID, "NaN is no number of JSON"
+    ),
+    "glTF beyond all numbers": (
+        {"m.gltf": gltf("nodes", 0, "matrix", to=[2.0] * 16)["m.gltf"].replace("2.0", "1e400")},
+        INVALID, "1e400 is no finite number",
+    ),
     "glTF of no JSON": ({"m.gltf": "{"}, INVALID, "not JSON"),
     "OBJ face beyond": ({"m.obj": _V + "f 1 2 99999\n"}, INVALID, "face 1 names vertex 99999"),
     "OBJ of NaN": ({"m.obj": _V.replace("1", "nan", 1) + _F}, INVALID, "vertex 2"),

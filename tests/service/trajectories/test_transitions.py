@@ -138,3 +138,14 @@ def test_motions_beyond_all_limits_are_failures_too(client, scene, huge, along):
         assert answer.status_code == 200
         expected = "not_certified" if is_timed else "retiming_failed"
         assert answer.json()["failure"]["code"] == expected
+
+
+def test_a_stop_that_would_last_for_hours_is_a_failure(client, scene):
+    """Ruckig computes none of more than two hours, and says so by a code without a name."""
+    far, near = [1e5, -1.57, 1.57, -1.57, -1.57, 0], [0.3, -1.57, 1.57, -1.57, -1.57, 0]
+    running = {"times": [0, 2], "positions": [far, near], "velocities": [[0] * 6] * 2}
+    answer = post(client, scene, "stop", trajectory=running, time=1.0)
+    assert answer.status_code == 200, answer.text
+    failure = answer.json()["failure"]
+    assert failure["code"] == "retiming_failed"
+    assert "longer than ruckig computes" in failure["detail"]

@@ -143,3 +143,138 @@ def test_a_virtual_joint_that_moves_is_told(load: Callable[..., World]) -> None:
     (warning,) = scene_summary(load(CHAIN, planar)).warnings
     assert "virtual joint 'v'" in warning
     assert scene_summary(load(CHAIN, planar.replace("planar", "fixed"))).warnings == ()
+
+
+def warned(load: Callable[..., World], *srdf: str) -> list[str]:
+    return list(scene_summary(load(*srdf)).warnings)
+
+
+def test_a_sound_srdf_is_read_without_a_word(load: Callable[..., World]) -> None:
+    pair = '<disable_collisions link1="left" link2="right" reason="Never"/>'
+    passive = '<passive_joint name="f2"/>'  # it follows another
+    assert warned(load, CHAIN, HAND, EFFECTOR.format(""), HOME.format(SAID), pair, passive) == []
+
+
+ARM_IS_OUT = "r: group 'arm' in m.srdf is left out: no joint of it moves by itself"
+
+
+def chain(base: str, tip: str) -> str:
+    return f'<group name="arm"><chain base_link="{base}" tip_link="{tip}"/></group>'
+
+
+@pytest.mark.parametrize(
+    ("group", "fault"),
+    [
+        (chain("base", "l22"), "tip_link 'l22' does not exist; did you mean 'l2'?"),
+        (chain("basis", "l2"), "base_link 'basis' does not exist; did you mean 'base'?"),
+        (chain("l2", "base"), "it is reversed: exchange base_link 'l2' and tip_link 'base'"),
+        (chain("palm", "l1"), "it is reversed: exchange base_link 'palm' and tip_link 'l1'"),
+        (
+            chain("left", "right"),
+            (
+                "base_link 'left' is not above tip_link 'right'; links above: "
+                "['palm', 'flange', 'l2', 'l1', 'base']"
+            ),
+        ),
+    ],
+)
+def test_a_chain_that_is_none_is_told(load: Callable[..., World], group: str, fault: str) -> None:
+    told = warned(load, group)
+    assert told == [f"r: group 'arm' in m.srdf: a chain is left out: {fault}", ARM_IS_OUT]
+    assert [joint.name for joint in load(group).group("r").joints] == ["r::j1", "r::j2", "r::f1"]
+
+
+def test_a_chain_may_begin_at_the_frame_that_holds_the_robot(load: Callable[..., World]) -> None:
+    fixed = '<virtual_joint name="v" type="fixed" parent_frame="world" child_link="base"/>'
+    world = load(fixed, chain("world", "l2"))
+    assert [joint.name for joint in world.group("r").joints] == ["r::j1", "r::j2"]
+    assert scene_summary(world).warnings == ()
+
+
+STATE = HOME.format(SAID)
+MEMBERS = '<group name="arm"><joint name="j1"/><joint name="j2"/>{}</group>'
+
+
+@pytest.mark.parametrize(
+    ("srdf", "told"),
+    [
+        (
+            MEMBERS.format('<joint name="jj2"/>'),
+            "group 'arm' in m.srdf: joint 'jj2' does not exist; did you mean 'j2'?",
+        ),
+        (
+            MEMBERS.format('<link name="palme"/>'),
+            "group 'arm' in m.srdf: link 'palme' does not exist; did you mean 'palm'?",
+        ),
+        (
+            MEMBERS.format('<group name="arn"/>'),
+            "group 'arm' in m.srdf: group 'arn' does not exist; did you mean 'arm'?",
+        ),
+        (CHAIN + CHAIN, "group 'arm' in m.srdf is given 2 times: the last one is read"),
+        (
+            CHAIN + HAND + EFFECTOR.format("").replace("flange", "flannge"),
+            (
+                "end effector 'grip' in m.srdf: parent_link: link 'flannge' does not exist; did you "
+                "mean 'flange'?"
+            ),
+        ),
+        (
+            CHAIN + HAND + EFFECTOR.format("").replace('group="hand"', 'group="hnd"'),
+            (
+                "end effector 'grip' in m.srdf: group: group 'hnd' does not exist; did you mean "
+                "'hand'?"
+            ),
+        ),
+        (
+            CHAIN + HAND + EFFECTOR.format(' parent_group="arms"'),
+            (
+                "end effector 'grip' in m.srdf: parent_group: group 'arms' does not exist; did you "
+                "mean 'arm'?"
+            ),
+        ),
+        (
+            CHAIN + '<disable_collisions link1="l1" link2="palms"/>' * 2,
+            (
+                "disable_collisions in m.srdf: 2 pairs are ignored: link 'palms' does not exist; did "
+                "you mean 'palm'?"
+            ),
+        ),
+        (
+            CHAIN + HOME.format(SAID + '<joint name="j3" value="0"/>'),
+            (
+                "group state 'home' in m.srdf: a value is ignored: in group 'arm' joint 'j3' does not "
+                "exist; there are ['j1', 'j2']"
+            ),
+        ),
+        (
+            CHAIN + STATE + STATE,
+            "group state 'home' of 'arm' in m.srdf is given 2 times: the last one is read",
+        ),
+        (
+            CHAIN + '<passive_joint name="j1"/>',
+            "passive joint 'j1' in m.srdf is not read: it is planned for like the others",
+        ),
+        (
+            CHAIN + '<passive_joint name="j9"/>',
+            (
+                "passive_joint in m.srdf: joint 'j9' does not exist; there are "
+                "['j1', 'j2', 'mount', 'glue', 'f1', 'f2']"
+            ),
+        ),
+        (
+            CHAIN + '<enable_collisions link1="l1" link2="palm"/>',
+            "<enable_collisions> in m.srdf is not read (1 of them)",
+        ),
+    ],
+)
+def test_what_is_not_read_is_told_with_what_was_meant(
+    load: Callable[..., World], srdf: str, told: str
+) -> None:
+    assert warned(load, srdf) == [f"r: {told}"]
+
+
+def test_of_the_srdf_of_another_robot_not_every_fault_is_told(load: Callable[..., World]) -> None:
+    foreign = "".join(f'<disable_collisions link1="l1" link2="x{i}"/>' for i in range(500))
+    warnings = warned(load, CHAIN, foreign)
+    assert len(warnings) == 21
+    assert warnings[-1] == "r: 480 more parts of m.srdf are not read"
