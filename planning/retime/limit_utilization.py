@@ -52,6 +52,9 @@ def max_utilization(curve: Curve, limits: JointLimits, order: int) -> LimitUtili
         for i in (floating_rotation_blocks(curve, limits) if order > 1 else [])
     }
     polynomials = to_bernstein(derivative(curve.coefficients, order), widths)
+    module = native()
+    if module is not None and limits.blocks == tuple((i,) for i in range(len(bounds))):
+        return LimitUtilization(*module.utilization(polynomials, bounds, _RELATIVE_GAP))
     sizes = block_norms(polynomials, limits) / bounds
     for i, moving in moving_axes.items():
         sizes[moving, :, i] = 0.0

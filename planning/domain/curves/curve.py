@@ -54,7 +54,7 @@ class Curve(Value):
 
     def locate(self, x: Float64[np.ndarray, " m"]) -> tuple[Indices, Array]:
         """Return the piece of each x and x relative to its break; the ends are extended."""
-        piece = np.clip(np.searchsorted(self.breaks, x, side="right") - 1, 0, self.num_pieces - 1)
+        piece = self.breaks[1:-1].searchsorted(x, side="right")
         return piece, x - self.breaks[piece]
 
     def tangents(self, x: Float64[np.ndarray, " m"], order: int = 0) -> Array:
