@@ -80,7 +80,7 @@ class KernelScene:
 
     @cached_property
     def _margins_of_pairs(self) -> dict[tuple[Any, ...], Array]:
-        """Margins of all pairs by what they depend on; the search and the proof ask for the same."""
+        """Margins of all pairs by what they depend on: search and proof ask for the same."""
         return {}
 
     def by_pair(

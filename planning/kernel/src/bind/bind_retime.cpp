@@ -45,7 +45,8 @@ std::vector<double> limits_of(const Doubles& array, std::size_t joints, const ch
 
 auto cells(const Path& path, const Doubles& velocity, const Doubles& acceleration) {
   const PolynomialPath along = path_of(path, 3);
-  const auto v = limits_of(velocity, along.joints, "velocity"), a = limits_of(acceleration, along.joints, "acceleration");
+  const auto v = limits_of(velocity, along.joints, "velocity"),
+             a = limits_of(acceleration, along.joints, "acceleration");
   const PathCells found = cut_into_cells(along, v, a);
   const std::size_t count = found.path.pieces(), rows = found.a.size() / count;
   bool* flags = new bool[count];
@@ -53,8 +54,8 @@ auto cells(const Path& path, const Doubles& velocity, const Doubles& acceleratio
   const nb::capsule owner(flags, [](void* p) noexcept { delete[] static_cast<bool*>(p); });
   return nb::make_tuple(array_of(found.path.breaks, count + 1), nb::ndarray<nb::numpy, bool>(flags, {count}, owner),
                         array_of(found.speed, count), array_of(found.acceleration, count),
-                        array_of(found.a, count, rows), array_of(found.b, count, rows),
-                        array_of(found.caps, count + 1), found.time_unit);
+                        array_of(found.a, count, rows), array_of(found.b, count, rows), array_of(found.caps, count + 1),
+                        found.time_unit);
 }
 
 auto profile(const Doubles& edges, const Doubles& x, const Flags& is_line, const Doubles& speed,
@@ -87,7 +88,8 @@ auto composed(const Path& path, const Doubles& s, const Doubles& v, const Double
 // The largest magnitude of polynomials over the limit of their column, and the column; an upper bound, within a share
 // `gap` of what is attained. Coefficients in Bernstein form: [pieces][terms][columns].
 auto utilization(const Doubles& polynomials, const Doubles& limits, double gap) {
-  require(polynomials.ndim() == 3 && polynomials.size() > 0, "polynomials do not have the shape (pieces, terms, columns)");
+  require(polynomials.ndim() == 3 && polynomials.size() > 0,
+          "polynomials do not have the shape (pieces, terms, columns)");
   const std::size_t pieces = polynomials.shape(0), terms = polynomials.shape(1), columns = polynomials.shape(2);
   const std::vector<double> bounds = limits_of(limits, columns, "limits");
   const auto all = finite({polynomials.data(), polynomials.size()}, "polynomials");
@@ -128,11 +130,13 @@ auto utilization(const Doubles& polynomials, const Doubles& limits, double gap) 
 }  // namespace
 
 void bind_retime(nb::module_& m) {
-  m.def("path_cells", &cells, nb::arg("path"), nb::arg("velocity"), nb::arg("acceleration"),
-        "Cells of a path (breaks, coefficients) of lines and parabolas: edges, is_line, speed, acceleration, a, b, caps, "
-        "time_unit.");
+  m.def(
+      "path_cells", &cells, nb::arg("path"), nb::arg("velocity"), nb::arg("acceleration"),
+      "Cells of a path (breaks, coefficients) of lines and parabolas: edges, is_line, speed, acceleration, a, b, caps, "
+      "time_unit.");
   m.def("profile_between", &profile, nb::arg("edges"), nb::arg("x"), nb::arg("is_line"), nb::arg("speed"),
-        nb::arg("acceleration"), nb::arg("braking"), "The fastest profile (s, v, a, j, h) with squared speeds at edges.");
+        nb::arg("acceleration"), nb::arg("braking"),
+        "The fastest profile (s, v, a, j, h) with squared speeds at edges.");
   m.def("compose", &composed, nb::arg("path"), nb::arg("s"), nb::arg("v"), nb::arg("a"), nb::arg("j"), nb::arg("h"),
         "The motion along a path: times, pieces of the path, coefficients.");
   m.def("utilization", &utilization, nb::arg("polynomials"), nb::arg("limits"), nb::arg("gap"),
