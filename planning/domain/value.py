@@ -24,16 +24,12 @@ _BYTES_ATTRIBUTE = "_fed_bytes"
 
 def frozen(array: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
     """Return a read-only float64 copy, or the array itself if it is one already."""
-    if (
-        isinstance(array, np.ndarray)
-        and array.dtype.char == "d"
-        and not array.flags.writeable
-        and array.flags.c_contiguous
-        and array.base is None
-    ):
-        return array
+    if isinstance(array, np.ndarray) and array.base is None and array.dtype.char == "d":
+        flags = array.flags
+        if not flags.writeable and flags.c_contiguous:
+            return array
     copy = np.array(array, dtype=np.float64, order="C")
-    copy.flags.writeable = False
+    copy.setflags(write=False)
     return copy
 
 

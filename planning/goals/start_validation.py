@@ -67,7 +67,7 @@ def clip_rounding(
 ) -> Array:
     """Return q with unit quaternions, and clipped to limits violated by at most `ROUNDING`."""
     unit = manifold.normalized(q)
-    clipped = np.clip(unit, limits.lower, limits.upper)
+    clipped = np.minimum(np.maximum(unit, limits.lower), limits.upper)
     return np.where(np.abs(clipped - unit) <= ROUNDING, clipped, unit)
 
 

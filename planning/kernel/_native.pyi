@@ -354,6 +354,35 @@ def solve_penalty_qp(
     tolerance: float,
     max_steps: int,
 ) -> tuple[_Doubles, int, float]: ...
+def path_cells(
+    path: tuple[_Doubles, _Doubles], velocity: _Doubles, acceleration: _Doubles
+) -> tuple[
+    _Doubles,
+    np.ndarray[Any, np.dtype[np.bool_]],
+    _Doubles,
+    _Doubles,
+    _Doubles,
+    _Doubles,
+    _Doubles,
+    float,
+]: ...
+def profile_between(
+    edges: _Doubles,
+    x: _Doubles,
+    is_line: np.ndarray[Any, np.dtype[np.bool_]],
+    speed: _Doubles,
+    acceleration: _Doubles,
+    braking: _Doubles,
+) -> tuple[_Doubles, _Doubles, _Doubles, _Doubles, _Doubles]: ...
+def compose(
+    path: tuple[_Doubles, _Doubles],
+    s: _Doubles,
+    v: _Doubles,
+    a: _Doubles,
+    j: _Doubles,
+    h: _Doubles,
+) -> tuple[_Doubles, _Integers, _Doubles]: ...
+def utilization(polynomials: _Doubles, limits: _Doubles, gap: float) -> tuple[float, int]: ...
 def fastest_chain(
     positions: _Doubles,
     peaks: _Doubles,

@@ -4,6 +4,7 @@ import numpy as np
 
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline, TimedTrajectory
+from planning.kernel.native import native
 from planning.retime.profile import SpeedProfile
 
 
@@ -13,6 +14,17 @@ def compose(spline: JointSpline, profile: SpeedProfile) -> TimedTrajectory:
     Every phase lies on one piece of the spline, whose polynomial of degree k is expanded about the
     phase's beginning and then composed with s(t), giving degree 3 k (2 k without jerk).
     """
+    module = native()
+    if module is None or spline.coefficients.shape[1] < 2:
+        return compose_in_numpy(spline, profile)
+    times, pieces, coefficients = module.compose(
+        (spline.breaks, spline.coefficients), profile.s, profile.v, profile.a, profile.j, profile.h
+    )
+    return TimedTrajectory(spline.joints, times, spline.bases[pieces], coefficients)
+
+
+def compose_in_numpy(spline: JointSpline, profile: SpeedProfile) -> TimedTrajectory:
+    """Return the same without the kernel, which has the same sums."""
     middles = (profile.s[:-1] + profile.s[1:]) / 2
     pieces, _ = spline.locate(middles)
     local = taylor_shifted(spline.coefficients[pieces], profile.s[:-1] - spline.breaks[pieces])

@@ -5,6 +5,7 @@ Velocity is bounded by |delta'|, which an angular velocity J_r(delta) delta' nev
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -45,6 +46,15 @@ class LimitUtilization:
 
 def max_utilization(curve: Curve, limits: JointLimits, order: int) -> LimitUtilization:
     """Return the largest peak over limit of the order-th derivative, over all blocks."""
+    module, bounds = native(), getattr(limits, RATES[order - 1])
+    if module is None or not _has_scalar_limits(limits, bounds):
+        return max_block_utilization(curve, limits, order)
+    polynomials = to_bernstein(derivative(curve.coefficients, order), np.diff(curve.breaks))
+    return LimitUtilization(*module.utilization(polynomials, bounds, _RELATIVE_GAP))
+
+
+def max_block_utilization(curve: Curve, limits: JointLimits, order: int) -> LimitUtilization:
+    """Return the same for blocks of any size; of single coordinates the kernel has it at once."""
     bounds = getattr(limits, RATES[order - 1])
     widths = np.diff(curve.breaks)
     moving_axes = {
@@ -66,6 +76,12 @@ def max_utilization(curve: Curve, limits: JointLimits, order: int) -> LimitUtili
                 deltas, widths[moving], (order, float(bounds[i]), i), best
             )
     return best
+
+
+def _has_scalar_limits(limits: JointLimits, bounds: Array) -> bool:
+    """Return whether every coordinate has a positive, finite limit of its own, in their order."""
+    is_scalar = limits.blocks == tuple((i,) for i in range(len(bounds)))
+    return is_scalar and all(0 < bound < inf for bound in bounds.tolist())
 
 
 def max_polynomial_value(polynomials: Array) -> LimitUtilization:

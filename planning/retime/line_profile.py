@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from planning.domain.arrays import Array
+from planning.kernel.native import native
 from planning.retime.profile import SpeedProfile
 
 # Shortest phase relative to the whole duration; shorter ones are left out.
@@ -57,6 +58,17 @@ def profile_between(edges: Array, x: Array, lines: LineLimits) -> SpeedProfile:
         x: (ds/dt)^2 at the edges [1/s^2], shape (n + 1,). On curved cells not zero at both ends.
         lines: Limits on cells that are lines.
     """
+    module = native()
+    if module is None:
+        return profile_between_in_numpy(edges, x, lines)
+    arrays = module.profile_between(
+        edges, x, lines.is_line, lines.speed, lines.acceleration, lines.braking
+    )
+    return SpeedProfile(*arrays)
+
+
+def profile_between_in_numpy(edges: Array, x: Array, lines: LineLimits) -> SpeedProfile:
+    """Return the same without the kernel, which has the same sums."""
     v, widths = np.sqrt(x), np.diff(edges)
     before, after = v[:-1], v[1:]
     needed = (x[1:] - x[:-1]) / (2 * widths)

@@ -63,7 +63,7 @@ class World:
         self.drake = drake
         self._robots = robots
         self._oracles: dict[tuple[Any, ...], CollisionChecker] = {}
-        self._checkers: list[SceneGraphCollisionChecker] = []
+        self._checkers: list[tuple[Any, Array]] = []
         self._limits: dict[tuple[str, ...], JointLimits] = {}
         self._stated_limits: dict[tuple[str, ...], tuple[JointLimits, tuple[Follower, ...]]] = {}
         self._robot_groups = [robot_groups(drake, loaded) for loaded in robots]
@@ -236,10 +236,19 @@ class World:
         )
 
     def _drake_checker(self) -> SceneGraphCollisionChecker:
-        """Drake's checker without margins, made when the kernel is first undecided."""
+        """Return a Drake checker without margins, for one oracle: the first, then copies of it.
+
+        It is made when the kernel is first undecided. Most plans need no other: to copy one takes a
+        third of the time to make it.
+        """
         if not self._checkers:
-            self._checkers.append(make_collision_checker(self.drake))
-        return self._checkers[0]
+            checker: Any = make_collision_checker(self.drake)
+            self._checkers.append((checker, np.array(checker.GetPaddingMatrix())))
+            return checker
+        first, padding = self._checkers[0]
+        copy = first.Clone()
+        copy.SetPaddingMatrix(padding)
+        return copy
 
     def distance_probe(self, margins: PairMargins) -> DistanceProbe:
         """Return a slow distance query that reports pairs, distances and nearest points."""

@@ -24,7 +24,33 @@ def timing_calls(module: Any) -> dict[str, Call]:
             peaks=(np.ones((6, 3, 2)), ANY), speeds=(np.full((4, 2), 0.1), ANY),
             jerk_shares=(np.array([0.5]), ANY), most_intervals=(3, ANY),
         ),
+        "path_cells": call(
+            partial(with_path, module.path_cells), breaks=(np.array([0.0, 1.0]), EXACT),
+            coefficients=(np.array([[[0.0, 0.0], [1.0, 0.5], [0.1, 0.0]]]), ANY),
+            velocity=(np.ones(2), EXACT), acceleration=(np.ones(2), EXACT),
+        ),
+        "profile_between": call(
+            module.profile_between, edges=(np.linspace(0.0, 1.0, 4), EXACT),
+            x=(np.array([0.0, 0.5, 0.5, 0.0]), EXACT), is_line=(np.array([True, False, True]), ANY),
+            speed=(np.ones(3), EXACT), acceleration=(np.ones(3), EXACT),
+            braking=(np.ones(3), EXACT),
+        ),
+        "compose": call(
+            partial(with_path, module.compose), breaks=(np.array([0.0, 1.0]), EXACT),
+            coefficients=(np.array([[[0.0, 0.0], [1.0, 0.5], [0.1, 0.0]]]), ANY),
+            s=(np.array([0.0, 1.0]), EXACT), v=(np.ones(1), EXACT), a=(np.zeros(1), EXACT),
+            j=(np.zeros(1), EXACT), h=(np.ones(1), SIZING),
+        ),
+        "utilization": call(
+            module.utilization, polynomials=(np.ones((2, 3, 2)), ANY), limits=(np.ones(2), EXACT),
+            gap=(1e-9, ANY),
+        ),
     }  # fmt: skip
+
+
+def with_path(function: Callable[..., Any], **given: Any) -> Any:
+    path = tuple(given.pop(name) for name in ("breaks", "coefficients"))
+    return function(path=path, **given)
 
 
 def with_profile(function: Callable[..., Any], **given: Any) -> Any:

@@ -54,26 +54,31 @@ class Curve(Value):
 
     def locate(self, x: Float64[np.ndarray, " m"]) -> tuple[Indices, Array]:
         """Return the piece of each x and x relative to its break; the ends are extended."""
-        piece = np.clip(np.searchsorted(self.breaks, x, side="right") - 1, 0, self.num_pieces - 1)
+        piece = self.breaks[1:-1].searchsorted(x, side="right")
         return piece, x - self.breaks[piece]
 
     def tangents(self, x: Float64[np.ndarray, " m"], order: int = 0) -> Array:
         """Return the order-th derivative of delta at x, shape (m, nv)."""
-        piece, local = self.locate(x)
+        return self._tangents_at(*self.locate(x), order)
+
+    def _tangents_at(self, piece: Indices, local: Float64[np.ndarray, " m"], order: int) -> Array:
+        """Return the same at places that are located."""
         # Few instants: differentiate only the pieces that they lie on.
-        if len(x) < self.num_pieces:
+        if len(piece) < self.num_pieces:
             coefficients = derivative(self.coefficients[piece], order)
         else:
             coefficients = derivative(self.coefficients, order)[piece]
-        total = np.zeros((len(x), coefficients.shape[2]))
-        for k in range(coefficients.shape[1] - 1, -1, -1):
-            total = total * local[:, None] + coefficients[:, k]
+        local = local[:, None]
+        total = coefficients[:, -1] + 0.0
+        for k in range(coefficients.shape[1] - 2, -1, -1):
+            total *= local
+            total += coefficients[:, k]
         return total
 
     def positions(self, x: Float64[np.ndarray, " m"]) -> Array:
         """Return q(x), shape (m, nq)."""
-        piece, _ = self.locate(x)
-        return self.manifold.plus(self.bases[piece], self.tangents(x))
+        piece, local = self.locate(x)
+        return self.manifold.plus(self.bases[piece], self._tangents_at(piece, local, 0))
 
     def velocities(self, x: Float64[np.ndarray, " m"]) -> Array:
         """Return Drake's generalized velocities dq/dx, shape (m, nv)."""

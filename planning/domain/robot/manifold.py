@@ -129,7 +129,8 @@ class Manifold(Value):
         self, q1: Float64[np.ndarray, "*#n nq"], q0: Float64[np.ndarray, "*#n nq"]
     ) -> Array:
         """Return the Euclidean length of q1 [-] q0 (radians and metres weigh the same)."""
-        return np.asarray(np.linalg.norm(self.minus(q1, q0), axis=-1))
+        delta = self.minus(q1, q0)
+        return np.asarray(np.sqrt(np.add.reduce(delta * delta, axis=-1)))
 
     def normalized(self, q: Float64[np.ndarray, "*n nq"]) -> Array:
         """Return q with unit quaternions."""

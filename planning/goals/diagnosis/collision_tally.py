@@ -59,8 +59,9 @@ def count_collisions(
         deadline: Time limit.
     """
     tally, count = CollisionTally(), min(num_measured, len(rows))
+    probe = world.distance_probe(query.margins) if count else None
     for i, q in enumerate(rows[k * len(rows) // count] for k in range(count)):
-        if i >= _MIN_MEASURED and deadline.is_over:
+        if probe is None or (i >= _MIN_MEASURED and deadline.is_over):
             break
-        tally.add(world.violations(query.group, q, query.margins), query.margins)
+        tally.add(probe.violations(world.embed(query.group, q)), query.margins)
     return tally

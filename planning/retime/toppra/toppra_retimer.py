@@ -16,6 +16,7 @@ from planning.domain.curves.curve import JointSpline
 from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.domain.robot.joints import JointLimits
 from planning.errors import RetimingFailed
+from planning.kernel.native import native
 from planning.retime.block_peaks import bernstein_block_norms
 from planning.retime.cells import (
     cut_at,
@@ -65,6 +66,25 @@ def toppra_profile(
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """
+    module = native()
+    if module is not None and not path_limits and _has_native_cells(smooth_piece, limits):
+        return _native_profile(module, smooth_piece, limits, deadline)
+    return profile_in_numpy(smooth_piece, limits, path_limits, deadline)
+
+
+def profile_in_numpy(
+    smooth_piece: JointSpline,
+    limits: JointLimits,
+    path_limits: Sequence[PathLimit] = (),
+    deadline: Deadline = NO_DEADLINE,
+) -> SpeedProfile:
+    """Return the same for all curves and limits; what the kernel is compared with.
+
+    Raises:
+        RetimingFailed: As `toppra_profile`.
+        DeadlineExceeded: Time ran out.
+        Canceled: The caller canceled.
+    """
     is_line = ~smooth_piece.coefficients[:, 2:].any(axis=(1, 2))
     if all(limit.is_uniform for limit in path_limits):
         cells, pieces = _cut_into_cells(
@@ -82,6 +102,48 @@ def toppra_profile(
             cut_at(smooth_piece, refined_edges), limits, path_limits, deadline
         )
     return profile
+
+
+def _has_native_cells(smooth_piece: JointSpline, limits: JointLimits) -> bool:
+    """Return whether the kernel has the cells: of lines and parabolas, with a limit for each joint.
+
+    Limits of both rates are positive.
+    """
+    _, terms, count = smooth_piece.coefficients.shape
+    return 2 <= terms <= 3 and limits.blocks == tuple((i,) for i in range(count))
+
+
+def _native_profile(
+    module: Any, smooth_piece: JointSpline, limits: JointLimits, deadline: Deadline
+) -> SpeedProfile:
+    """Return the fastest profile under limits of joints, with cells and rows by the kernel.
+
+    Raises:
+        RetimingFailed: As `toppra_profile`.
+        DeadlineExceeded: Time ran out.
+        Canceled: The caller canceled.
+    """
+    edges, is_line, speed, acceleration, a, b, caps, time_unit = module.path_cells(
+        (smooth_piece.breaks, smooth_piece.coefficients), limits.velocity, limits.acceleration
+    )
+    lines = LineLimits(is_line, speed, acceleration, acceleration)
+    if len(is_line) == 1 and is_line[0]:
+        return profile_between(edges, np.zeros(2), lines)
+    deadline.check("retime")
+    x = squared_speeds(edges, (a, b), caps) / (time_unit * time_unit)
+    _require_motion(lines, x)
+    return profile_between(edges, x, lines)
+
+
+def _require_motion(lines: LineLimits, x: Array) -> None:
+    """Require that no curved cell has zero speed at both ends.
+
+    Raises:
+        RetimingFailed: One has.
+    """
+    if not (lines.is_line | (x[:-1] + x[1:] > 0)).all():
+        message = "toppra's profile has zero path velocity between start and goal"
+        raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(x)})
 
 
 def _curved_profile(
@@ -118,16 +180,15 @@ def _profile(
     # In units of the duration at the velocity limits, toppra's numbers are of order one, as its
     # absolute tolerances require.
     time_unit = float((np.diff(cells.breaks) / speed).sum())
-    caps = _bounds_at_edges(cell_velocity_bounds(sizes, limits.velocity) * time_unit**2)
+    unit = time_unit * time_unit
+    caps = _bounds_at_edges(cell_velocity_bounds(sizes, limits.velocity) * unit)
     a, b = acceleration_rows(cells, limits)
     for limit, limit_rows in zip(path_limits, path_rows, strict=True):
-        caps = np.minimum(caps, _bounds_at_edges(limit.path_velocity_bounds(cells) * time_unit**2))
+        caps = np.minimum(caps, _bounds_at_edges(limit.path_velocity_bounds(cells) * unit))
         a, b = (np.concatenate(both, axis=1) for both in zip((a, b), limit_rows, strict=True))
     deadline.check("retime")
-    x = squared_speeds(cells.breaks, (a / time_unit**2, b / time_unit**2), caps) / time_unit**2
-    if not (lines.is_line | (x[:-1] + x[1:] > 0)).all():
-        message = "toppra's profile has zero path velocity between start and goal"
-        raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(x)})
+    x = squared_speeds(cells.breaks, (a / unit, b / unit), caps) / unit
+    _require_motion(lines, x)
     return profile_between(cells.breaks, x, lines)
 
 

@@ -46,12 +46,13 @@ class DrakeCollisionOracle:
         margins: PairMargins,
         make_checker: Callable[[], SceneGraphCollisionChecker] | None = None,
     ) -> None:
-        """Check every pair against `margins`; `make_checker` makes the model's checker."""
+        """Check every pair against `margins`.
+
+        `make_checker` makes a checker of the model without margins, for this oracle alone.
+        """
         self._model = model
         self._manifold = Manifold.of(group.joints)
-        self._checker: Any = (
-            make_checker().Clone() if make_checker else make_collision_checker(model)
-        )
+        self._checker: Any = make_checker() if make_checker else make_collision_checker(model)
         if margins.largest > 0 or margins.by_pair:
             _apply_margins(self._checker, model, margins)
         self._measured_margins = MeasuredMargins(model, margins)

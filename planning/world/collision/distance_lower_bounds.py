@@ -53,8 +53,10 @@ class DistanceLowerBounds:
             query: Drake's, at the model's present state.
         """
         length, ids = float(drake_pair.distance), (drake_pair.id_A, drake_pair.id_B)
+        if length <= 0:
+            return length
         a, b = (self._shape(i, query) for i in ids)
-        if length <= 0 or a is None or b is None:
+        if a is None or b is None:
             return length
         first, second = (np.array(query.GetPoseInWorld(i).GetAsMatrix4()) for i in ids)
         shapes, poses, normal = (a, b), (first, second), np.array(drake_pair.nhat_BA_W)

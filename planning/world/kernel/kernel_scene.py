@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float64
 from pydrake.geometry import GeometryId
 from pydrake.math import RigidTransform
 
+from planning.domain.arrays import Array
 from planning.kernel.coverings.covering import Covering, cached_covering
 from planning.kernel.native import native
 from planning.kernel.shape import ConvexShape, ShapeKind
@@ -24,6 +25,8 @@ from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.kernel.kernel_tree import add_tree, flat_transform
 from planning.world.kernel.link_tree import WORLD, link_tree
 
+# Number of cached margins of all pairs.
+_MAX_MARGINS = 16
 _EMPTY_COVERING = Covering(np.zeros((0, 4)), np.zeros((0, 4)), np.zeros(4), 0.0)
 
 
@@ -65,7 +68,20 @@ class KernelScene:
 
     def pair_margins(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
         """Return the margin of every pair [m]; as `PairMargins.of`, but of all pairs at once."""
-        return self.by_pair(margins.of, margins.by_pair)
+        key = margins.default, tuple(margins.by_pair.items()), tuple(margins.owners.items())
+        found = self._margins_of_pairs.get(key)
+        if found is None:
+            if len(self._margins_of_pairs) >= _MAX_MARGINS:
+                self._margins_of_pairs.clear()
+            found = self.by_pair(margins.of, margins.by_pair)
+            found.setflags(write=False)
+            self._margins_of_pairs[key] = found
+        return found
+
+    @cached_property
+    def _margins_of_pairs(self) -> dict[tuple[Any, ...], Array]:
+        """Margins of all pairs by what they depend on: search and proof ask for the same."""
+        return {}
 
     def by_pair(
         self, value: Callable[[str, str], float], exceptions: Collection[tuple[str, str]]

@@ -14,6 +14,7 @@ NB_MODULE(_native, m) {
   wayproof::bind_refine(m);
   wayproof::bind_curve(m);
   wayproof::bind_timing(m);
+  wayproof::bind_retime(m);
   wayproof::bind_search(m);
   wayproof::bind_dynamics(m);
   wayproof::bind_torques(m);

@@ -18,6 +18,7 @@ void bind_prover(nb::module_& m);
 void bind_refine(nb::module_& m);
 void bind_curve(nb::module_& m);
 void bind_timing(nb::module_& m);
+void bind_retime(nb::module_& m);
 void bind_search(nb::module_& m);
 void bind_dynamics(nb::module_& m);
 void bind_torques(nb::module_& m);
