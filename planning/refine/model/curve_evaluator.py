@@ -7,7 +7,7 @@ from planning.domain.arrays import Array, Indices
 from planning.refine.constraints.clearance_objective import ClearanceCost
 from planning.refine.constraints.distance_query import DistanceQuery, DistanceRows
 from planning.refine.constraints.rate_bounds import RateBounds
-from planning.refine.curves.bspline_basis import BasisWeights, basis_weights
+from planning.refine.curves.bspline_basis import BasisWeights, position_weights
 from planning.refine.curves.curve_evaluation import CurveEvaluation, distance_penalty
 from planning.refine.curves.path_velocity import duration_of, path_grid
 from planning.refine.model.load_evaluation import LoadEvaluation, path_velocity_along
@@ -42,13 +42,13 @@ class CurveEvaluator:
         self._grid = path_grid(num_control_points)
         self._clearance_objective = clearance_objective
         self.parameters = np.linspace(0.0, 1.0, num_samples + 2)[1:-1]
-        self.distance_weights: BasisWeights = basis_weights(num_control_points, self.parameters)
+        self.distance_weights: BasisWeights = position_weights(num_control_points, self.parameters)
         self.clearance_weights = self.distance_weights
 
     def add_samples(self, parameters: Float64[np.ndarray, " m"]) -> None:
         """Add instants at which distances are kept; earlier evaluations are outdated then."""
         self.parameters = np.concatenate([self.parameters, parameters])
-        self.distance_weights = basis_weights(self._num_control_points, self.parameters)
+        self.distance_weights = position_weights(self._num_control_points, self.parameters)
 
     def evaluate(self, points: Float64[np.ndarray, "k nq"]) -> CurveEvaluation:
         """Return the evaluation of a curve."""
