@@ -18,8 +18,8 @@ namespace {
 constexpr std::size_t lanes = num_lanes, numbers_per_batch = 3 * lanes;
 // Cells along every side of a face, a power of two.
 constexpr std::size_t side = 8;
-// Cells with fewer vertices are not divided further.
-constexpr std::size_t few = 2 * lanes;
+// Cells with no more vertices are not divided further: one batch.
+constexpr std::size_t few = lanes;
 // What is left out is nearer by this share of the largest coordinate, for directions whose largest component is 1:
 // far above the rounding of products and of the choice of a cell.
 constexpr double spare = 1e-12;
