@@ -23,6 +23,7 @@ class CurveEvaluation:
         path_velocity: Minimum-time squared path velocity b [1/s^2] at the grid, shape (n + 1,).
         duration: Duration at that path velocity [s].
         distances: Distances of near pairs at the instants.
+        num_instants: Number of the instants.
         clearances: Distances of pairs within reach of the clearance objective, or None.
         objective: Duration plus cost of the clearance objective [s].
         loads: Load evaluation, or None without loads.
@@ -32,6 +33,7 @@ class CurveEvaluation:
     path_velocity: Array
     duration: float
     distances: DistanceRows
+    num_instants: int
     clearances: DistanceRows | None
     objective: float
     loads: LoadEvaluation | None
@@ -50,7 +52,7 @@ class CurveEvaluation:
         """Scale of the merit: the duration [s]."""
         return self.duration
 
-    @property
+    @cached_property
     def merit(self) -> float:
         """Merit, which the optimization minimizes [s].
 
