@@ -72,6 +72,4 @@ def _refine_curve(
         return None, replace(report, reason=result.reason)
     curve = result.problem.curve_of(best)
     length = result.problem.samples_of(best.points).length
-    return curve, replace(
-        report, improved=True, length_after=length, duration_after=best.duration
-    )
+    return curve, replace(report, improved=True, length_after=length, duration_after=best.duration)

@@ -71,9 +71,9 @@ def basis_weights(
 
 
 def position_weights(num_control_points: int, s: Float64[np.ndarray, " m"]) -> BasisWeights:
-    """Return the weights of the position itself at instants in [0, 1], by the kernel if it is there.
+    """Return the weights of the position itself at instants in [0, 1].
 
-    The same as `basis_weights` but for rounding.
+    By the kernel if it is there; as `basis_weights` but for rounding.
     """
     module: Any = native()
     if module is None:

@@ -63,9 +63,7 @@ class KernelScene:
         a, b = self.candidates.rows[row]
         return self.candidates.names[a], self.candidates.names[b]
 
-    def has_near_pair(
-        self, full: Float64[np.ndarray, " num_positions"], distance: float
-    ) -> bool:
+    def has_near_pair(self, full: Float64[np.ndarray, " num_positions"], distance: float) -> bool:
         """Return whether any pair may be nearer than a distance [m]; if not, none is."""
         return self.native.has_near_pair(full, distance)
 

@@ -142,7 +142,8 @@ void DistanceQuery::look(const MovedPair& moved, double reach, Workspace& w, std
     distance = over.width, n = over.n, shift = (apart - distance) * n;
     Transform X_WC = X_WA;
     X_WC.p = X_WA.p + shift;
-    Features along{.direction = n};
+    Features along;
+    along.direction = n;
     met = closest_points(a, X_WC, b, X_WB, 1e9, along);
   }
   rows.configuration.push_back(configuration);

@@ -199,8 +199,7 @@ ClosestPoints closest_points(const Shape& a, const Transform& X_WA, const Shape&
   if (a.kind == ShapeKind::half_space) return {above(b, X_WB, X_WA, true), lowest(b, X_WB, X_WA)};
   Simplex simplex;
   Trace trace;
-  for (int i = 0; i < features.size; ++i)
-    simplex.add(trace.add(features.on_a[i], X_WA, features.on_b[i], X_WB), i);
+  for (int i = 0; i < features.size; ++i) simplex.add(trace.add(features.on_a[i], X_WA, features.on_b[i], X_WB), i);
   Vec3 v = features.direction;
   const Separation found = search(a, X_WA, b, X_WB, enough, -inf, 1e-10, simplex, v, trace);
   features.direction = found.direction;

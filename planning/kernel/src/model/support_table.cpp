@@ -63,8 +63,8 @@ unsigned lanes_equal_to(const Lanes& value, double number) {
 #endif
 }
 
-// Where in batches the vertex is that lies farthest along n: the first of equals. No function of its own per instruction
-// set: calling it would take longer than the eight products, and most cells have one batch.
+// Where in batches the vertex is that lies farthest along n: the first of equals. No function of its own per
+// instruction set: calling it would take longer than the eight products, and most cells have one batch.
 std::size_t farthest_of(const double* numbers, std::size_t batches, Vec3 n) {
   std::size_t found = 0;
   double best = -std::numeric_limits<double>::infinity();

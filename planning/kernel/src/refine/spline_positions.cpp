@@ -33,8 +33,8 @@ SplineWeights spline_weights(std::size_t num_points, double s) {
 std::vector<double> even_positions(std::span<const double> points, std::size_t coordinates, std::size_t num_intervals) {
   std::vector<double> positions((num_intervals + 1) * coordinates);
   for (std::size_t i = 0; i <= num_intervals; ++i) {
-    const auto at = spline_weights(points.size() / coordinates,
-                                   static_cast<double>(i) / static_cast<double>(num_intervals));
+    const auto at =
+        spline_weights(points.size() / coordinates, static_cast<double>(i) / static_cast<double>(num_intervals));
     const double* from = points.data() + at.first_point * coordinates;
     for (std::size_t j = 0; j < coordinates; ++j) {
       double sum = 0;
