@@ -52,14 +52,18 @@ class CurveEvaluation:
         """Scale of the merit: the duration [s]."""
         return self.duration
 
-    @cached_property
+    @property
     def merit(self) -> float:
         """Merit, which the optimization minimizes [s].
 
         It is `objective` plus the penalties of short distances and of excessive static loads.
         """
         static_load_penalty = 0.0 if self.loads is None else self.loads.penalty
-        return self.objective + static_load_penalty + distance_penalty(self.distances)
+        return self.objective + static_load_penalty + self._distance_penalty
+
+    @cached_property
+    def _distance_penalty(self) -> float:
+        return distance_penalty(self.distances)
 
 
 def distance_penalty(distances: DistanceRows) -> float:
