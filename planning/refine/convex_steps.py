@@ -14,7 +14,6 @@ from planning.domain.report.stage_reports import RefineReport
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.steering import steering_of
 from planning.refine.cars.drive_refiner import refine_drive
-from planning.refine.curve_checks import curve_length
 from planning.refine.curves.chart import FlatChart, make_chart
 from planning.refine.descents.multi_start import solve_multi_start
 from planning.refine.model.penalty_qp import solver_name
@@ -72,6 +71,5 @@ def _refine_curve(
     if best is None:
         return None, replace(report, reason=result.reason)
     curve = result.problem.curve_of(best)
-    return curve, replace(
-        report, improved=True, length_after=curve_length(curve), duration_after=best.duration
-    )
+    length = result.problem.samples_of(best.points).length
+    return curve, replace(report, improved=True, length_after=length, duration_after=best.duration)

@@ -1,4 +1,7 @@
-"""Auditor: dense collision and constraint check of an optimized curve."""
+"""Auditor: dense collision and constraint check of an optimized curve, at its samples."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,6 +23,47 @@ _POSITION_TOLERANCE = 1e-9
 _NUM_SUBSETS = 16
 
 
+@dataclass(frozen=True)
+class DenseSamples:
+    """Configurations of a curve at even instants, densely, both ends included.
+
+    Attributes:
+        positions: One per row, shape (m, nq).
+    """
+
+    positions: Array
+
+    @classmethod
+    def of(cls, positions_at: Callable[[int], Array]) -> "DenseSamples":
+        """Return the samples of a curve that gives its positions at a number of intervals."""
+        positions = positions_at(_MIN_SAMPLES)
+        num_intervals = min(int(np.ceil(_length(positions) / _SAMPLE_SPACING)), _MAX_SAMPLES)
+        return cls(positions if num_intervals <= _MIN_SAMPLES else positions_at(num_intervals))
+
+    @classmethod
+    def of_curve(cls, curve: JointSpline) -> "DenseSamples":
+        """Return the samples of a joint spline."""
+        return cls.of(lambda n: curve.positions(np.linspace(0.0, 1.0, n + 1)))
+
+    @property
+    def length(self) -> float:
+        """Joint-space length (radians and metres weigh the same)."""
+        return _length(self.positions)
+
+    def is_within_limits(self, limits: JointLimits) -> bool:
+        """Return whether all samples keep the position limits."""
+        low, high = limits.lower - _POSITION_TOLERANCE, limits.upper + _POSITION_TOLERANCE
+        return bool(((self.positions >= low) & (self.positions <= high)).all())
+
+    def satisfy(self, predicates: tuple[PredicateConstraint, ...]) -> bool:
+        """Return whether predicates accept all samples, coarse subsets of them first."""
+        return all(
+            bool(predicate.are_satisfied(self.positions[begin::_NUM_SUBSETS]).all())
+            for predicate in predicates
+            for begin in range(_NUM_SUBSETS)
+        )
+
+
 class Auditor:
     """Checker of curves of one group with the scene's own collision oracle.
 
@@ -38,57 +82,28 @@ class Auditor:
         self._end_oracle = world.collision_oracle(group, buffers.margins)
         self._padded_oracle = world.collision_oracle(group, buffers.audit_margins)
 
-    def find_violations(self, curve: JointSpline) -> Array:
-        """Return the middle of every interval of s on which the curve is in violation, shape (m,).
+    def find_violations(self, samples: DenseSamples) -> Array:
+        """Return the middle of every interval of s on which a curve is in violation, shape (m,).
 
         A violation is a pair of bodies below its distance, or a broken path constraint. The
         intervals are in order; none means that every sample is free.
         """
-        s, positions = _dense_samples(curve)
+        positions = samples.positions
         free = self._padded_oracle.are_free(positions)
         free[0] = self._end_oracle.is_free(positions[0])
         free[-1] = self._end_oracle.is_free(positions[-1])
         if self._constraints is not None:
             free &= self._constraints.are_satisfied(positions)
+        if free.all():
+            return np.zeros(0)
         violated = np.flatnonzero(~free)
         runs = np.split(violated, np.flatnonzero(np.diff(violated) > 1) + 1)
-        return np.array([s[run[len(run) // 2]] for run in runs if len(run)])
-
-
-def satisfies_predicates(curve: JointSpline, predicates: tuple[PredicateConstraint, ...]) -> bool:
-    """Return whether predicates accept all samples of the curve, coarse subsets of them first."""
-    if not predicates:
-        return True
-    _, positions = _dense_samples(curve)
-    subsets = [positions[begin::_NUM_SUBSETS] for begin in range(_NUM_SUBSETS)]
-    return all(
-        bool(predicate.are_satisfied(subset).all())
-        for predicate in predicates
-        for subset in subsets
-    )
-
-
-def is_within_limits(curve: JointSpline, limits: JointLimits) -> bool:
-    """Return whether samples of the curve keep the position limits."""
-    positions = curve.positions(np.linspace(0.0, 1.0, _MIN_SAMPLES + 1))
-    low, high = limits.lower - _POSITION_TOLERANCE, limits.upper + _POSITION_TOLERANCE
-    return bool(((positions >= low) & (positions <= high)).all())
+        return np.array([run[len(run) // 2] for run in runs]) / (len(positions) - 1)
 
 
 def curve_length(curve: JointSpline) -> float:
     """Return the curve's joint-space length (radians and metres weigh the same)."""
     return _length(curve.positions(np.linspace(0.0, 1.0, _MIN_SAMPLES + 1)))
-
-
-def _dense_samples(curve: JointSpline) -> tuple[Array, Array]:
-    """Return path parameters, shape (m,), and configurations there, (m, nq), densely."""
-    s = np.linspace(0.0, 1.0, _MIN_SAMPLES + 1)
-    positions = curve.positions(s)
-    num_intervals = min(int(np.ceil(_length(positions) / _SAMPLE_SPACING)), _MAX_SAMPLES)
-    if num_intervals > _MIN_SAMPLES:
-        s = np.linspace(0.0, 1.0, num_intervals + 1)
-        positions = curve.positions(s)
-    return s, positions
 
 
 def _length(positions: Array) -> float:

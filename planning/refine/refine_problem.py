@@ -21,7 +21,8 @@ from planning.refine.constraints.distance_query import DistanceQuery, make_dista
 from planning.refine.constraints.load import Load
 from planning.refine.constraints.rate_bounds import RateBounds
 from planning.refine.constraints.request_bounds import request_bounds, signed_accelerations
-from planning.refine.curve_checks import Auditor, is_within_limits, satisfies_predicates
+from planning.refine.curve_checks import Auditor, DenseSamples
+from planning.refine.curves.bspline_basis import even_positions
 from planning.refine.curves.bspline_fit import fit_control_points
 from planning.refine.curves.chart import Chart, make_chart
 from planning.refine.curves.curve_evaluation import CurveEvaluation
@@ -168,11 +169,21 @@ class RefineProblem:
     def check_curve(self, evaluation: CurveEvaluation) -> tuple[str, Array]:
         """Return why a curve is rejected, or "", and the instants where it is in violation."""
         excess = 0.0 if evaluation.loads is None else evaluation.loads.excess
-        return self.check_spline(self.curve_of(evaluation), excess)
+        return self._check_samples(self.samples_of(evaluation.points), excess)
 
-    def check_spline(self, curve: JointSpline, static_excess: float = 0.0) -> tuple[str, Array]:
-        """Return why a spline is rejected, or "", and the instants where it is in violation."""
-        violations = self.auditor.find_violations(curve)
+    def check_points(self, points: Float64[np.ndarray, "k nv"]) -> tuple[str, Array]:
+        """Return the same for control points, but for static loads."""
+        return self._check_samples(self.samples_of(points), 0.0)
+
+    def samples_of(self, points: Float64[np.ndarray, "k nv"]) -> DenseSamples:
+        """Return dense samples of the curve with these control points."""
+        if self.predicates:
+            # What they are told are positions of the delivered curve, angles on circles included.
+            return DenseSamples.of_curve(self.chart.curve(points))
+        return DenseSamples.of(lambda n: self.chart.positions(even_positions(points, n)))
+
+    def _check_samples(self, samples: DenseSamples, static_excess: float) -> tuple[str, Array]:
+        violations = self.auditor.find_violations(samples)
         if len(violations):
             where = ", ".join(f"{s:.3f}" for s in violations[:5])
             what = "a collision margin"
@@ -181,9 +192,9 @@ class RefineProblem:
             return message, violations
         if static_excess > 0:
             return "the static torque exceeds an effort limit on the optimized curve", violations
-        if not is_within_limits(curve, self.limits):
+        if not samples.is_within_limits(self.limits):
             return "the optimized curve violates position limits", violations
-        if not satisfies_predicates(curve, self.predicates):
+        if not samples.satisfy(self.predicates):
             return PREDICATE_REJECTION, violations
         return "", violations
 

@@ -224,6 +224,9 @@ def calls() -> dict[str, Call]:
             made.with_poses, geometries=(np.array([0, 4]), INDICES),
             X_LG=(np.stack([IDENTITY, IDENTITY]), EXACT),
         ),
+        "Scene.has_near_pair": call(
+            made.has_near_pair, full=(STATE, EXACT), reach=(0.1, SCALAR)
+        ),
         "Checker": call(
             module.Checker, **group(floats=False), thresholds=(np.full((7, 2), 0.01), EXACT),
             kernel=("base", OBJECT),

@@ -39,6 +39,12 @@ def curve_calls(module: Any) -> dict[str, Call]:
         "acceleration_range": (RANGE, EXACT),
     }  # fmt: skip
     return {
+        "spline_weights": call(
+            module.spline_weights, num_points=(COUNT, ANY), s=(np.array([0.0, 0.3, 1.0]), ANY)
+        ),
+        "spline_positions": call(
+            module.spline_positions, points=(POINTS, ANY), num_intervals=(7, ANY)
+        ),
         "CurveGrid": call(
             module.CurveGrid, first_points=(given["first_points"], INDICES),
             num_points=(COUNT, ANY), first=(GRID.first, EXACT), second=(GRID.second, EXACT),

@@ -236,6 +236,24 @@ def test_invalid_curves_are_rejected(thin_wall, points, reason: str):
     assert problem.check_curve(model.evaluate(problem.fit_path(0.04)))[0] == ""
 
 
+@pytest.mark.parametrize("scale", [1.0, 20.0])
+def test_the_audit_looks_at_the_delivered_curve_densely(case, scale: float):
+    problem = problem_of(case)
+    points = problem.fit_path(0.04)
+    points[3] += scale * 0.1
+    samples, curve = problem.samples_of(points), problem.chart.curve(points)
+    positions = samples.positions
+    wanted = curve.positions(np.linspace(0.0, 1.0, len(positions)))
+    np.testing.assert_allclose(positions, wanted, atol=1e-9)
+    assert len(positions) > 400
+    assert samples.length < 0.0101 * (len(positions) - 1)
+    assert samples.length == pytest.approx(_length_of(wanted))
+
+
+def _length_of(positions: np.ndarray) -> float:
+    return float(np.linalg.norm(np.diff(positions, axis=0), axis=1).sum())
+
+
 def test_a_robot_that_stands_near_a_wall_does_not_hinder_another(make_puck):
     wall = ([0.2, 0.2, 0.2], [0.0, 0.0, 0.0])
     # The idle puck stands on four slabs at once, a tenth of a millimetre above each.

@@ -24,7 +24,7 @@ from planning.refine.constraints.constraint_distances import (
 )
 from planning.refine.constraints.distance_buffers import DistanceBuffers
 from planning.refine.constraints.distance_query import make_distance_query
-from planning.refine.curve_checks import Auditor, is_within_limits, satisfies_predicates
+from planning.refine.curve_checks import Auditor, DenseSamples
 from planning.refine.curves.chart import FlatChart
 from planning.refine.request import RefineRequest
 from planning.world.constraints.predicate_constraint import PredicateConstraint
@@ -150,14 +150,14 @@ class DriveSolver:
 
     def check_path(self, segments: ArcSegments) -> tuple[str, Array]:
         """Return why a path is rejected, or "", and the path parameters of its violations."""
-        curve = self.problem.to_path(segments).spline
-        violations = self.auditor.find_violations(curve)
+        samples = DenseSamples.of_curve(self.problem.to_path(segments).spline)
+        violations = self.auditor.find_violations(samples)
         if len(violations):
             where = ", ".join(f"{s:.3f}" for s in violations[:5])
             what = "violates a collision margin or a path constraint"
             return f"the faster car path {what} at path parameters s = {where}", violations
-        if not is_within_limits(curve, self.limits):
+        if not samples.is_within_limits(self.limits):
             return "the faster car path violates position limits", violations
-        if not satisfies_predicates(curve, self.predicates):
+        if not samples.satisfy(self.predicates):
             return "the faster car path violates a path predicate", violations
         return "", violations

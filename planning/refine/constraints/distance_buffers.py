@@ -9,12 +9,15 @@ from jaxtyping import Float64
 
 from planning.domain.value import Value
 from planning.world.collision.margins import PairMargins
+from planning.world.kernel.kernel_scene import kernel_scene_of
 from planning.world.world import World
 
 # Buffer with which a curve is easily proven free between its samples [m].
 _BUFFER = 0.003
 # Buffer of bodies of one robot, which are near one another by design [m].
 _BUFFER_WITHIN_ROBOT = 0.0005
+# More than what the probe's distances may be too short by [m].
+_DISTANCE_TOLERANCE = 1e-3
 # Share of the buffer that the audit requires of the optimized curve.
 _AUDIT_FRACTION = 1 / 3
 
@@ -57,10 +60,17 @@ class DistanceBuffers(Value):
         cls, world: World, margins: PairMargins, ends: Float64[np.ndarray, "m num_positions"]
     ) -> "DistanceBuffers":
         """Return the buffers for full configurations of the start and the goal."""
+        distance = margins.largest + 2 * _BUFFER
+        scene = kernel_scene_of(world.drake)
+        if scene is not None:
+            reach = distance + _DISTANCE_TOLERANCE
+            ends = ends[[scene.has_near_pair(configuration, reach) for configuration in ends]]
+        if not len(ends):
+            return cls(margins)
         probe = world.distance_probe(margins)
         signed_margins: dict[tuple[str, str], float] = {}
         for configuration in ends:
-            for pair in probe.pairs_within(configuration, margins.largest + 2 * _BUFFER):
+            for pair in probe.pairs_within(configuration, distance):
                 signed_margin = pair.distance - margins.of(*pair.bodies)
                 signed_margins[pair.bodies] = min(
                     signed_margin, signed_margins.get(pair.bodies, np.inf)

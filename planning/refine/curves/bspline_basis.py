@@ -13,6 +13,7 @@ from pydrake.math import BsplineBasis, KnotVectorType
 from pydrake.trajectories import BsplineTrajectory
 
 from planning.domain.arrays import Array, Indices
+from planning.kernel.native import native
 
 # Order 4 is cubic pieces: acceleration is continuous, as both retimers require.
 ORDER = 4
@@ -67,6 +68,27 @@ def basis_weights(
     dense = derivative.vector_values(inside.tolist()).T
     control_points = spans[:, None] + np.arange(ORDER)
     return BasisWeights(control_points, np.take_along_axis(dense, control_points, axis=1))
+
+
+def position_weights(num_control_points: int, s: Float64[np.ndarray, " m"]) -> BasisWeights:
+    """Return the weights of the position itself at instants in [0, 1].
+
+    By the kernel if it is there; as `basis_weights` but for rounding.
+    """
+    module: Any = native()
+    if module is None:
+        return basis_weights(num_control_points, s)
+    first_points, values = module.spline_weights(num_control_points, s)
+    return BasisWeights(first_points[:, None] + np.arange(ORDER), values)
+
+
+def even_positions(points: Float64[np.ndarray, "n nq"], num_intervals: int) -> Array:
+    """Return positions of a spline at s = i / num_intervals, shape (num_intervals + 1, nq)."""
+    module: Any = native()
+    if module is None:
+        s = np.linspace(0.0, 1.0, num_intervals + 1)
+        return basis_weights(len(points), s).apply(points)
+    return module.spline_positions(np.ascontiguousarray(points), num_intervals)
 
 
 def make_bspline(

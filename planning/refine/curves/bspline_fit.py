@@ -8,7 +8,7 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array
 from planning.domain.curves.path import JointPath
 from planning.domain.robot.manifold import Manifold
-from planning.refine.curves.bspline_basis import basis_weights
+from planning.refine.curves.bspline_basis import position_weights
 
 # More control points make a quicker motion and a slower optimizer; beyond 14 the gain is small.
 _CONTROL_POINT_COUNTS = (14, 17, 22, 28)
@@ -60,7 +60,7 @@ def fit_control_points(
 @lru_cache(maxsize=8)
 def _basis_matrix(num_control_points: int) -> Array:
     """Return every basis function at every sample, shape (num_samples, num_control_points)."""
-    weights = basis_weights(num_control_points, np.linspace(0.0, 1.0, _NUM_SAMPLES))
+    weights = position_weights(num_control_points, np.linspace(0.0, 1.0, _NUM_SAMPLES))
     matrix = np.zeros((_NUM_SAMPLES, num_control_points))
     np.put_along_axis(matrix, weights.control_points, weights.values, axis=1)
     matrix.flags.writeable = False

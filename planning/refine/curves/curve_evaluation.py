@@ -23,6 +23,7 @@ class CurveEvaluation:
         path_velocity: Minimum-time squared path velocity b [1/s^2] at the grid, shape (n + 1,).
         duration: Duration at that path velocity [s].
         distances: Distances of near pairs at the instants.
+        num_instants: Number of the instants.
         clearances: Distances of pairs within reach of the clearance objective, or None.
         objective: Duration plus cost of the clearance objective [s].
         loads: Load evaluation, or None without loads.
@@ -32,6 +33,7 @@ class CurveEvaluation:
     path_velocity: Array
     duration: float
     distances: DistanceRows
+    num_instants: int
     clearances: DistanceRows | None
     objective: float
     loads: LoadEvaluation | None
@@ -57,7 +59,11 @@ class CurveEvaluation:
         It is `objective` plus the penalties of short distances and of excessive static loads.
         """
         static_load_penalty = 0.0 if self.loads is None else self.loads.penalty
-        return self.objective + static_load_penalty + distance_penalty(self.distances)
+        return self.objective + static_load_penalty + self._distance_penalty
+
+    @cached_property
+    def _distance_penalty(self) -> float:
+        return distance_penalty(self.distances)
 
 
 def distance_penalty(distances: DistanceRows) -> float:

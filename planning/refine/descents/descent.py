@@ -89,8 +89,8 @@ class Descent:
                 # At a thin wall that the last step crossed, gradients point to either side: back
                 # to a curve that was free, if there is one.
                 self._model.add_samples(violations)
-                points = (self.best or self._trust_region.current).points
-                self._trust_region.current = self._model.evaluate(points)
+                known = self.best or self._trust_region.current
+                self._trust_region.current = self._model.evaluate_again(known)
         target = _STOP_RATIO * self._problem.lower_bound
         is_optimal = self.best is not None and self.best.objective < target
         return is_optimal or self._num_rejected >= _MAX_REJECTED_CURVES

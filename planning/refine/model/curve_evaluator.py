@@ -1,5 +1,7 @@
 """CurveEvaluator: the true merit of curves, and as little of it as decides about a step."""
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Float64
 
@@ -7,7 +9,7 @@ from planning.domain.arrays import Array, Indices
 from planning.refine.constraints.clearance_objective import ClearanceCost
 from planning.refine.constraints.distance_query import DistanceQuery, DistanceRows
 from planning.refine.constraints.rate_bounds import RateBounds
-from planning.refine.curves.bspline_basis import BasisWeights, basis_weights
+from planning.refine.curves.bspline_basis import BasisWeights, position_weights
 from planning.refine.curves.curve_evaluation import CurveEvaluation, distance_penalty
 from planning.refine.curves.path_velocity import duration_of, path_grid
 from planning.refine.model.load_evaluation import LoadEvaluation, path_velocity_along
@@ -42,18 +44,31 @@ class CurveEvaluator:
         self._grid = path_grid(num_control_points)
         self._clearance_objective = clearance_objective
         self.parameters = np.linspace(0.0, 1.0, num_samples + 2)[1:-1]
-        self.distance_weights: BasisWeights = basis_weights(num_control_points, self.parameters)
+        self.distance_weights: BasisWeights = position_weights(num_control_points, self.parameters)
         self.clearance_weights = self.distance_weights
 
     def add_samples(self, parameters: Float64[np.ndarray, " m"]) -> None:
-        """Add instants at which distances are kept; earlier evaluations are outdated then."""
+        """Add instants at which distances are kept; `evaluate_again` adds them to evaluations."""
         self.parameters = np.concatenate([self.parameters, parameters])
-        self.distance_weights = basis_weights(self._num_control_points, self.parameters)
+        self.distance_weights = position_weights(self._num_control_points, self.parameters)
 
     def evaluate(self, points: Float64[np.ndarray, "k nq"]) -> CurveEvaluation:
         """Return the evaluation of a curve."""
         qs = self.distance_weights.apply(points)
         return self._with_distances(points, qs, *path_velocity_along(points, self._bounds))
+
+    def evaluate_again(self, evaluation: CurveEvaluation) -> CurveEvaluation:
+        """Return an evaluation with the distances at those instants that were added after it."""
+        known, weights = evaluation.num_instants, self.distance_weights
+        added = BasisWeights(weights.control_points[known:], weights.values[known:])
+        distances = evaluation.distances
+        more = self._distance_query.within(added.apply(evaluation.points), _INFLUENCE_DISTANCE)
+        joined = DistanceRows(
+            np.concatenate([distances.sample_indices, more.sample_indices + known]),
+            np.concatenate([distances.signed_margins, more.signed_margins]),
+            np.concatenate([distances.gradients, more.gradients]),
+        )
+        return replace(evaluation, distances=joined, num_instants=len(self.parameters))
 
     def evaluate_trial(
         self, points: Float64[np.ndarray, "k nq"], current: CurveEvaluation, merit: float
@@ -85,15 +100,13 @@ class CurveEvaluator:
         """Return the evaluation of a curve at instants with configurations qs."""
         duration = duration_of(self._grid, path_velocity)
         distances = self._distance_query.within(qs, _INFLUENCE_DISTANCE)
-        if self._clearance_objective is None:
-            return CurveEvaluation(
-                points, path_velocity, duration, distances, None, duration, loads
-            )
-        qs = self.clearance_weights.apply(points)
-        clearances = self._clearance_objective.distance_query.within(qs, _INFLUENCE_DISTANCE)
-        objective = duration + self._clearance_objective.cost(clearances, len(qs))
+        clearances, objective = None, duration
+        if self._clearance_objective is not None:
+            at = self.clearance_weights.apply(points)
+            clearances = self._clearance_objective.distance_query.within(at, _INFLUENCE_DISTANCE)
+            objective += self._clearance_objective.cost(clearances, len(at))
         return CurveEvaluation(
-            points, path_velocity, duration, distances, clearances, objective, loads
+            points, path_velocity, duration, distances, len(qs), clearances, objective, loads
         )
 
 

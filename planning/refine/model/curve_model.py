@@ -89,12 +89,16 @@ class CurveModel:
         )
 
     def add_samples(self, parameters: Float64[np.ndarray, " m"]) -> None:
-        """Add instants at which distances are kept; earlier evaluations are outdated then."""
+        """Add instants at which distances are kept; `evaluate_again` adds them to evaluations."""
         self._evaluator.add_samples(parameters)
 
     def evaluate(self, points: Float64[np.ndarray, "k nq"]) -> CurveEvaluation:
         """Return the evaluation of a curve."""
         return self._evaluator.evaluate(points)
+
+    def evaluate_again(self, evaluation: CurveEvaluation) -> CurveEvaluation:
+        """Return an evaluation with the distances at those instants that were added after it."""
+        return self._evaluator.evaluate_again(evaluation)
 
     def evaluate_trial(
         self, points: Float64[np.ndarray, "k nq"], current: CurveEvaluation, merit: float

@@ -186,7 +186,7 @@ def _first_instants(problem: RefineProblem) -> Array:
 
 def _refusal(task: MotionTask, motion: SplineMotion) -> tuple[str, Array]:
     """Return why a motion is refused, or "", and the instants at which a margin is violated."""
-    refusal, violations = task.problem.check_spline(task.problem.chart.curve(motion.points))
+    refusal, violations = task.problem.check_points(motion.points)
     if refusal:
         return refusal, violations
     longest = task.cost.objective.max_duration or np.inf

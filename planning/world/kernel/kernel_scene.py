@@ -66,6 +66,10 @@ class KernelScene:
         a, b = self.candidates.rows[row]
         return self.candidates.names[a], self.candidates.names[b]
 
+    def has_near_pair(self, full: Float64[np.ndarray, " num_positions"], distance: float) -> bool:
+        """Return whether any pair may be nearer than a distance [m]; if not, none is."""
+        return self.native.has_near_pair(full, distance)
+
     def pair_margins(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
         """Return the margin of every pair [m]; as `PairMargins.of`, but of all pairs at once."""
         key = margins.default, tuple(margins.by_pair.items()), tuple(margins.owners.items())

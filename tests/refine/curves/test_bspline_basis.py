@@ -5,11 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from planning.refine.curves import bspline_basis
 from planning.refine.curves.bspline_basis import (
     basis_weights,
+    even_positions,
     greville_abscissae,
     make_bspline,
     num_spans,
+    position_weights,
 )
 from tests.profiles import num_cases
 
@@ -47,3 +50,21 @@ def test_control_points_at_their_centres_make_the_identity(count):
     s = np.linspace(0, 1, 23)
     found = basis_weights(count, s).apply(greville_abscissae(count)[:, None])[:, 0]
     assert found == pytest.approx(s, abs=1e-11)
+
+
+@pytest.mark.parametrize("kernel", [True, False])
+@given(count=st.integers(4, 28), seed=SEEDS, num_intervals=st.integers(1, 60))
+def test_positions_are_drakes_with_and_without_the_kernel(kernel, count, seed, num_intervals):
+    rng = np.random.default_rng(seed)
+    points, s = rng.uniform(-3, 3, (count, 4)), np.linspace(0, 1, num_intervals + 1)
+    wanted = make_bspline(points).vector_values(s).T
+    with pytest.MonkeyPatch.context() as patch:
+        if not kernel:
+            patch.setattr(bspline_basis, "native", lambda: None)
+        weights, even = position_weights(count, s), even_positions(points, num_intervals)
+    np.testing.assert_allclose(weights.apply(points), wanted, atol=1e-9)
+    np.testing.assert_allclose(even, wanted, atol=1e-9)
+    np.testing.assert_array_equal(even[[0, -1]], points[[0, -1]])
+    np.testing.assert_array_equal(
+        weights.control_points[:, 0].clip(0, count - 4), weights.control_points[:, 0]
+    )

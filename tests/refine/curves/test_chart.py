@@ -183,3 +183,14 @@ def test_a_path_that_must_wind_becomes_faster() -> None:
     refined, _ = retime(task.curve_of(best), limits, RetimeOptions())
     rounded, _ = retime(blend_corners(path, 0.03, 1), limits, RetimeOptions())
     assert refined.duration < rounded.duration
+
+
+def test_the_audit_looks_at_positions_of_the_delivered_curve() -> None:
+    world = bundled_world("window_3d")
+    path = path_turning([0.0, 1.5, 1.0, 2.5, 4.0, 3.5, 5.5])
+    request = RefineRequest(path, world.limits(path.group), world.margins(), RefineOptions())
+    task = RefineProblem.of(world, request, no_hurry())
+    points = task.fit_path(0.15)
+    positions = task.samples_of(points).positions
+    wanted = task.chart.curve(points).positions(np.linspace(0.0, 1.0, len(positions)))
+    np.testing.assert_allclose(positions, wanted, atol=1e-9)

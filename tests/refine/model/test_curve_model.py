@@ -67,6 +67,24 @@ def test_distances_that_are_too_short_cost(thin_wall):
     assert model.evaluate(through).merit > before.merit
 
 
+@pytest.mark.parametrize("objective", [None, ClearanceObjective(0.08, 5.0)])
+def test_an_evaluation_with_added_instants_is_that_of_all_instants(thin_wall, objective):
+    model, points, _ = model_of(thin_wall, objective)
+    points[1:-1] = np.linspace(points[0], points[-1], len(points))[1:-1]
+    first = model.evaluate(points)
+    for added in ([0.31, 0.5], [0.503]):
+        model.add_samples(np.array(added))
+        again, whole = model.evaluate_again(first), model.evaluate(points)
+        assert again.merit == pytest.approx(whole.merit, abs=1e-9)
+        assert (again.objective, again.num_instants) == (whole.objective, whole.num_instants)
+        ours, theirs = again.distances, whole.distances
+        assert len(ours.sample_indices) > len(first.distances.sample_indices)
+        np.testing.assert_array_equal(ours.sample_indices, theirs.sample_indices)
+        np.testing.assert_allclose(ours.signed_margins, theirs.signed_margins, atol=1e-9)
+        np.testing.assert_allclose(ours.gradients, theirs.gradients, atol=1e-6)
+        first = again
+
+
 def test_a_violated_distance_is_repaired(thin_wall):
     model, points, _ = model_of(thin_wall)
     # Pushed into the end of the wall a little.

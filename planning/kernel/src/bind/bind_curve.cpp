@@ -12,6 +12,7 @@
 #include "bind/bind.hpp"
 #include "refine/convex_step.hpp"
 #include "refine/path_velocity.hpp"
+#include "refine/spline_positions.hpp"
 
 namespace wayproof {
 namespace {
@@ -44,10 +45,15 @@ std::vector<int> first_points_of(const Integers& array, std::size_t num_points, 
   return indices(row(array, name), num_points < weights_per_instant ? 0 : num_points - weights_per_instant + 1, name);
 }
 
+std::size_t num_points_of(std::int64_t count) {
+  if (count < static_cast<std::int64_t>(weights_per_instant) || count > max_coordinates)
+    refuse("num_points is not at least 4");
+  return static_cast<std::size_t>(count);
+}
+
 void make(CurveGrid* self, const Integers& first_points, std::int64_t num_points, const Doubles& first,
           const Doubles& second, const Doubles& third, double step) {
-  if (num_points < 4 || num_points > max_coordinates) refuse("num_points is not at least 4");
-  const auto count = static_cast<std::size_t>(num_points);
+  const std::size_t count = num_points_of(num_points);
   const auto points = first_points_of(first_points, count, "first_points");
   const std::size_t n = points.size();
   if (n < 2) refuse("there are fewer than two intervals");
@@ -191,9 +197,40 @@ auto step(const CurveGrid& grid, const Bounds& given, const Doubles& points, con
   return nb::make_tuple(array_of(found.points, grid.num_points, nq), found.decrease);
 }
 
+// Of every instant the first of four control points, and their weights.
+auto position_weights(std::int64_t num_points, const Doubles& s) {
+  const std::size_t count = num_points_of(num_points);
+  const auto instants = row(s, "s");
+  std::vector<std::int64_t> first_points;
+  std::vector<double> weights;
+  for (double at : instants) {
+    if (!(at >= 0 && at <= 1)) refuse("s is not from 0 to 1");
+    const SplineWeights found = spline_weights(count, at);
+    first_points.push_back(static_cast<std::int64_t>(found.first_point));
+    weights.insert(weights.end(), std::begin(found.weights), std::end(found.weights));
+  }
+  return nb::make_tuple(array_of(first_points, instants.size()),
+                        array_of(weights, instants.size(), weights_per_instant));
+}
+
+auto positions(const Doubles& points, std::int64_t num_intervals) {
+  if (points.ndim() != 2) refuse("points do not have two dimensions");
+  num_points_of(static_cast<std::int64_t>(points.shape(0)));
+  const std::size_t nq = points.shape(1);
+  if (nq < 1) refuse("points have no coordinates");
+  if (num_intervals < 1 || num_intervals > max_coordinates) refuse("num_intervals is not at least 1");
+  const auto at = finite({points.data(), points.size()}, "points");
+  const auto count = static_cast<std::size_t>(num_intervals);
+  return array_of(even_positions(at, nq, count), count + 1, nq);
+}
+
 }  // namespace
 
 void bind_curve(nb::module_& m) {
+  m.def("spline_weights", &position_weights, nb::arg("num_points"), nb::arg("s"),
+        "Of every instant the first of four control points of a spline, and their weights.");
+  m.def("spline_positions", &positions, nb::arg("points"), nb::arg("num_intervals"),
+        "Positions of a spline at the ends of equal intervals.");
   nb::class_<CurveGrid>(m, "CurveGrid", "Weights of a spline's derivatives at both ends of the intervals of a grid.")
       .def("__init__", &make, nb::arg("first_points"), nb::arg("num_points"), nb::arg("first"), nb::arg("second"),
            nb::arg("third"), nb::arg("step"))

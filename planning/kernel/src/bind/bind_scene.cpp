@@ -7,6 +7,7 @@
 
 #include "bind/arguments.hpp"
 #include "bind/bind.hpp"
+#include "checker/near_pairs.hpp"
 #include "model/scene.hpp"
 
 namespace wayproof {
@@ -137,6 +138,13 @@ std::shared_ptr<Scene> with_poses(const Scene& scene, const Integers& geometries
   return moved;
 }
 
+bool is_any_near(const Scene& scene, const Doubles& full, double reach) {
+  const auto numbers = finite(row(full, static_cast<std::size_t>(scene.tree.num_positions), "full"), "full");
+  finite(reach, "reach");
+  nb::gil_scoped_release released;
+  return has_near_pair(scene, numbers, reach);
+}
+
 }  // namespace
 
 void bind_scene(nb::module_& m) {
@@ -159,7 +167,8 @@ void bind_scene(nb::module_& m) {
            nb::arg("bound"))
       .def("add_pair", &add_pair, nb::arg("a"), nb::arg("b"))
       .def("add_pairs", &add_pairs, nb::arg("rows"))
-      .def("with_poses", &with_poses, nb::arg("geometries"), nb::arg("X_LG"));
+      .def("with_poses", &with_poses, nb::arg("geometries"), nb::arg("X_LG"))
+      .def("has_near_pair", &is_any_near, nb::arg("full"), nb::arg("reach"));
 }
 
 }  // namespace wayproof

@@ -54,7 +54,7 @@ struct DistanceQuery::Workspace {
   std::vector<Transform> X_WL, X_WG;
   std::vector<Vec3> centers;
   std::vector<Screw> screws;
-  std::vector<Vec3> directions;  // last separating direction of each moved pair
+  std::vector<Features> features;  // of the last search for the distance of each moved pair
   // Bounds on how far each geometry has moved since the first configuration, and on how far the two of each moved pair
   // must have moved together before the pair can be within reach.
   std::vector<double> moved, far_until;
@@ -131,20 +131,20 @@ void DistanceQuery::look(const MovedPair& moved, double reach, Workspace& w, std
   if (square >= far * far && far >= 0) return is_far(std::sqrt(square) - moved.bound);
   const Shape &a = scene_->geometries[pair.a].shape, &b = scene_->geometries[pair.b].shape;
   const Transform &X_WA = w.X_WG[pair.a], &X_WB = w.X_WG[pair.b];
-  Vec3& direction = w.directions[index];
-  ClosestPoints met = closest_points(a, X_WA, b, X_WB, reach, direction);
-  direction = met.separation.direction;
+  ClosestPoints met = closest_points(a, X_WA, b, X_WB, reach, w.features[index]);
   double distance = met.separation.lower;
   if (distance >= reach) return is_far(distance);
   const bool has_half_space = a.kind == ShapeKind::half_space || b.kind == ShapeKind::half_space;
-  Vec3 n = direction, shift;
+  Vec3 n = met.separation.direction, shift;
   if (!has_half_space && distance <= 0) {
     const Overlap over = overlap(a, X_WA, b, X_WB);
     if (over.width >= reach) return;
     distance = over.width, n = over.n, shift = (apart - distance) * n;
     Transform X_WC = X_WA;
     X_WC.p = X_WA.p + shift;
-    met = closest_points(a, X_WC, b, X_WB, 1e9, n);
+    Features along;
+    along.direction = n;
+    met = closest_points(a, X_WC, b, X_WB, 1e9, along);
   }
   rows.configuration.push_back(configuration);
   rows.pair.push_back(moved.pair);
@@ -157,7 +157,7 @@ void DistanceQuery::look(const MovedPair& moved, double reach, Workspace& w, std
 DistanceRows DistanceQuery::within(std::span<const double> qs, std::size_t count, std::span<const double> reach) const {
   const Tree& tree = scene_->tree;
   const std::size_t num_geometries = scene_->geometries.size();
-  Workspace w{group_.state, X_WL_, {}, {}, {}, std::vector<Vec3>(moved_.size()), {}, {}};
+  Workspace w{group_.state, X_WL_, {}, {}, {}, std::vector<Features>(moved_.size()), {}, {}};
   w.X_WG.resize(num_geometries), w.centers.resize(num_geometries), w.screws.resize(rates_.size());
   w.moved.resize(num_geometries), w.far_until.assign(moved_.size(), -inf);
   DistanceRows rows;

@@ -12,7 +12,11 @@ constexpr double inf = std::numeric_limits<double>::infinity();
 
 struct Simplex {
   Vec3 w[4];
+  int number[4] = {};  // of each in the order of the search
   int size = 0;
+
+  void add(Vec3 vertex, int its_number) { w[size] = vertex, number[size++] = its_number; }
+  void move(int from, int to) { w[to] = w[from], number[to] = number[from]; }
 };
 
 // Reduces a simplex to the face whose point nearest to the origin is returned.
@@ -20,7 +24,7 @@ Vec3 nearest_of_segment(Simplex& s) {
   const Vec3 a = s.w[0], ab = s.w[1] - a;
   const double square = dot(ab, ab), t = square > 0 ? -dot(a, ab) / square : 0;
   if (t <= 0) return s.size = 1, a;
-  if (t >= 1) return s.w[0] = s.w[1], s.size = 1, s.w[0];
+  if (t >= 1) return s.move(1, 0), s.size = 1, s.w[0];
   return a + t * ab;
 }
 
@@ -30,16 +34,16 @@ Vec3 nearest_of_triangle(Simplex& s) {
   const double d1 = -dot(ab, a), d2 = -dot(ac, a);
   if (d1 <= 0 && d2 <= 0) return s.size = 1, a;
   const double d3 = -dot(ab, b), d4 = -dot(ac, b);
-  if (d3 >= 0 && d4 <= d3) return s.w[0] = b, s.size = 1, b;
+  if (d3 >= 0 && d4 <= d3) return s.move(1, 0), s.size = 1, b;
   const double vc = d1 * d4 - d3 * d2;
   if (vc <= 0 && d1 >= 0 && d3 <= 0) return s.size = 2, a + (d1 / (d1 - d3)) * ab;
   const double d5 = -dot(ab, c), d6 = -dot(ac, c);
-  if (d6 >= 0 && d5 <= d6) return s.w[0] = c, s.size = 1, c;
+  if (d6 >= 0 && d5 <= d6) return s.move(2, 0), s.size = 1, c;
   const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return s.w[1] = c, s.size = 2, a + (d2 / (d2 - d6)) * ac;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return s.move(2, 1), s.size = 2, a + (d2 / (d2 - d6)) * ac;
   const double va = d3 * d6 - d5 * d4;
   if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
-    return s.w[0] = b, s.w[1] = c, s.size = 2, b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b);
+    return s.move(1, 0), s.move(2, 1), s.size = 2, b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b);
   const double sum = va + vb + vc;
   if (!(sum > 0)) return s.size = 2, nearest_of_segment(s);
   return a + (vb / sum) * ab + (vc / sum) * ac;
@@ -61,7 +65,7 @@ Vec3 nearest_of_tetrahedron(Simplex& s, double& depth) {
       continue;
     }
     depth = -inf;
-    Simplex face{{s.w[f[0]], s.w[f[1]], s.w[f[2]]}, 3};
+    Simplex face{{s.w[f[0]], s.w[f[1]], s.w[f[2]]}, {s.number[f[0]], s.number[f[1]], s.number[f[2]]}, 3};
     const Vec3 v = nearest_of_triangle(face);
     if (const double square = dot(v, v); square < least) least = square, nearest = v, best = face;
   }
@@ -85,66 +89,66 @@ Vec3 support(const Shape& a, const Transform& X_WA, const Shape& b, const Transf
   return X_WA * a.core_support(transposed_times(X_WA.R, n)) - X_WB * b.core_support(transposed_times(X_WB.R, -n));
 }
 
-// Support points of a search, from which the points of A and B behind the last simplex are computed.
-struct SupportHistory {
+// What a search does not keep.
+struct NoTrace {
+  Vec3 support(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, Vec3 n) {
+    return wayproof::support(a, X_WA, b, X_WB, n);
+  }
+  int last() const { return 0; }
+};
+
+// The support points of a search, in A and in B.
+struct Trace {
   // Not set before they are used: most searches end after a step or two.
   struct Numbers {
     double x, y, z;
 
     Vec3 vec() const { return {x, y, z}; }
   };
-  Numbers w[max_steps], a[max_steps];
+  Numbers on_a[max_steps + 3], on_b[max_steps + 3];
   int size = 0;
 
-  void add(Vec3 difference, Vec3 of_a) {
-    w[size] = {difference.x, difference.y, difference.z};
-    a[size++] = {of_a.x, of_a.y, of_a.z};
+  Vec3 add(Vec3 p_A, const Transform& X_WA, Vec3 p_B, const Transform& X_WB) {
+    on_a[size] = {p_A.x, p_A.y, p_A.z}, on_b[size++] = {p_B.x, p_B.y, p_B.z};
+    return X_WA * p_A - X_WB * p_B;
   }
-  Vec3 first() const { return size ? a[0].vec() : Vec3{}; }
-  Vec3 point_of(Vec3 difference) const {
-    for (int i = size; i-- > 0;)
-      if (w[i].x == difference.x && w[i].y == difference.y && w[i].z == difference.z) return a[i].vec();
-    return first();
+  Vec3 support(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, Vec3 n) {
+    return add(a.core_support(transposed_times(X_WA.R, n)), X_WA, b.core_support(transposed_times(X_WB.R, -n)), X_WB);
   }
+  int last() const { return size - 1; }
 };
 
-// The point of A for the simplex point nearest to the origin: the same convex combination of A's points.
-Vec3 behind(const Simplex& s, Vec3 v, const SupportHistory& history) {
-  const Vec3 a = history.point_of(s.w[0]);
+// The point of A, in A, for the simplex point nearest to the origin: the same convex combination of A's points.
+Vec3 behind(const Simplex& s, Vec3 v, const Trace& trace) {
+  const auto point = [&](int i) { return trace.on_a[s.number[i]].vec(); };
+  const Vec3 a = point(0);
   if (s.size == 1) return a;
-  const Vec3 e = s.w[1] - s.w[0], r = v - s.w[0], da = history.point_of(s.w[1]) - a;
+  const Vec3 e = s.w[1] - s.w[0], r = v - s.w[0], da = point(1) - a;
   if (s.size == 2) return a + (dot(r, e) / dot(e, e)) * da;
   const Vec3 f = s.w[2] - s.w[0];
   const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), re = dot(r, e), rf = dot(r, f);
   const double det = ee * ff - ef * ef;
   if (!(det > 0)) return a;
-  return a + ((re * ff - rf * ef) / det) * da + ((rf * ee - re * ef) / det) * (history.point_of(s.w[2]) - a);
+  return a + ((re * ff - rf * ef) / det) * da + ((rf * ee - re * ef) / det) * (point(2) - a);
 }
 
-// `history`, if there is one, receives the support points, and `simplex` the last simplex.
-template <bool keeps_history>
+// Begins with `simplex`, if it has vertices, else with a direction `v` from B to A, or zero; both are left as they are
+// at the end.
+template <typename Kept>
 Separation search(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, double enough,
-                  double few, Vec3 guess, double close, Simplex& simplex, Vec3& v, SupportHistory* history) {
+                  double few, double close, Simplex& simplex, Vec3& v, Kept& kept) {
   const double balls = a.ball + b.ball;
-  v = guess;
-  if (norm(v) <= tolerance) v = X_WA * a.center - X_WB * b.center;
+  double upper = inf, depth;
+  if (simplex.size > 0) v = nearest(simplex, depth), upper = norm(v) - balls;
+  if (norm(v) <= tolerance) v = X_WA * a.center - X_WB * b.center, simplex.size = 0, upper = inf;
   if (norm(v) <= tolerance) v = {1, 0, 0};
-  Separation best{-inf, inf, (1 / norm(v)) * v};
+  Separation best{-inf, upper, (1 / norm(v)) * v};
   for (int step = 0; step < max_steps; ++step) {
     const double length = norm(v);
-    const Vec3 n = (1 / length) * v;
-    Vec3 w;
-    if constexpr (keeps_history) {
-      const Vec3 on_a = X_WA * a.core_support(transposed_times(X_WA.R, -n));
-      w = on_a - X_WB * b.core_support(transposed_times(X_WB.R, n));
-      history->add(w, on_a);
-    } else {
-      w = support(a, X_WA, b, X_WB, -n);
-    }
+    const Vec3 n = (1 / length) * v, w = kept.support(a, X_WA, b, X_WB, -n);
     if (const double width = dot(n, w) - balls; width > best.lower) best.lower = width, best.direction = n;
     if (best.lower >= enough || best.upper <= few || best.upper - best.lower <= close) break;
-    simplex.w[simplex.size++] = w;
-    double depth;
+    simplex.add(w, kept.last());
     v = nearest(simplex, depth);
     if (depth >= 0) return best.upper = std::min(best.upper, -depth - balls), best;
     const double distance = norm(v) - balls;
@@ -184,20 +188,28 @@ Separation separation(const Shape& a, const Transform& X_WA, const Shape& b, con
   if (b.kind == ShapeKind::half_space) return above(a, X_WA, X_WB, false);
   if (a.kind == ShapeKind::half_space) return above(b, X_WB, X_WA, true);
   Simplex simplex;
-  Vec3 v;
-  return search<false>(a, X_WA, b, X_WB, enough, few, guess, close, simplex, v, nullptr);
+  Vec3 v = guess;
+  NoTrace nothing;
+  return search(a, X_WA, b, X_WB, enough, few, close, simplex, v, nothing);
 }
 
 ClosestPoints closest_points(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB,
-                             double enough, Vec3 guess) {
+                             double enough, Features& features) {
   if (b.kind == ShapeKind::half_space) return {above(a, X_WA, X_WB, false), lowest(a, X_WA, X_WB)};
   if (a.kind == ShapeKind::half_space) return {above(b, X_WB, X_WA, true), lowest(b, X_WB, X_WA)};
   Simplex simplex;
-  Vec3 v;
-  SupportHistory history;
-  const Separation found = search<true>(a, X_WA, b, X_WB, enough, -inf, guess, 1e-10, simplex, v, &history);
-  if (found.lower >= enough || simplex.size == 0 || simplex.size > 3) return {found, history.first()};
-  return {found, behind(simplex, v, history)};
+  Trace trace;
+  for (int i = 0; i < features.size; ++i) simplex.add(trace.add(features.on_a[i], X_WA, features.on_b[i], X_WB), i);
+  Vec3 v = features.direction;
+  const Separation found = search(a, X_WA, b, X_WB, enough, -inf, 1e-10, simplex, v, trace);
+  features.direction = found.direction;
+  features.size = simplex.size < 4 ? simplex.size : 0;
+  for (int i = 0; i < features.size; ++i) {
+    features.on_a[i] = trace.on_a[simplex.number[i]].vec();
+    features.on_b[i] = trace.on_b[simplex.number[i]].vec();
+  }
+  if (found.lower >= enough || features.size == 0) return {found, {}};
+  return {found, X_WA * behind(simplex, v, trace)};
 }
 
 }  // namespace wayproof

@@ -23,6 +23,14 @@ struct Separation {
 Separation separation(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, double enough,
                       double few, Vec3 guess, double close = 1e-10);
 
+// Points of the cores of A and B, in A and in B, whose differences are the simplex at the end of a search. Where A and
+// B have moved a little they are nearly those of the next one, which ends after a step or two if it begins with them.
+struct Features {
+  Vec3 on_a[3], on_b[3];
+  int size = 0;
+  Vec3 direction;  // of the slab; zero before the first search
+};
+
 struct ClosestPoints {
   Separation separation;
   // A point on the line through the nearest points of A and B, balls aside; undefined if the shapes overlap, or if the
@@ -30,9 +38,10 @@ struct ClosestPoints {
   Vec3 p_W;
 };
 
-// The same up to a distance of `enough`, with the nearest points.
+// The same up to a distance of `enough`, with the nearest points. Begins with the features of an earlier search, if
+// there are any, and replaces them by its own.
 ClosestPoints closest_points(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB,
-                             double enough, Vec3 guess);
+                             double enough, Features& features);
 
 // The slab between A and B across a unit vector n, from B to A: a lower bound on their distance.
 double slab(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, Vec3 n);

@@ -2,19 +2,24 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
-#include "math/multiversion.hpp"
+#include "math/lanes.hpp"
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
 
 namespace wayproof {
 namespace {
 
-constexpr std::size_t lanes = 8, numbers_per_batch = 3 * lanes;
+constexpr std::size_t lanes = num_lanes, numbers_per_batch = 3 * lanes;
 // Cells along every side of a face, a power of two.
 constexpr std::size_t side = 8;
-// Cells with fewer vertices are not divided further.
-constexpr std::size_t few = 2 * lanes;
+// Cells with no more vertices are not divided further: one batch.
+constexpr std::size_t few = lanes;
 // What is left out is nearer by this share of the largest coordinate, for directions whose largest component is 1:
 // far above the rounding of products and of the choice of a cell.
 constexpr double spare = 1e-12;
@@ -41,21 +46,38 @@ std::size_t cell_of(double t) {
   return k > 0 ? static_cast<std::size_t>(std::min(k, static_cast<double>(side) - 1)) : 0;
 }
 
-// Where in batches the vertex is that lies farthest along (nx, ny, nz): the lane of the largest product of the batch
-// where it is, the first of equals.
-WAYPROOF_MULTIVERSION
-std::size_t farthest_of(const double* numbers, std::size_t batches, double nx, double ny, double nz) {
-  typedef double Vector __attribute__((vector_size(lanes * sizeof(double)), aligned(sizeof(double)), may_alias));
+// Which of the lanes are equal to a number, lane k in bit k.
+unsigned lanes_equal_to(const Lanes& value, double number) {
+#if defined(__SSE2__)
+  unsigned bits = 0;
+  const __m128d all = _mm_set1_pd(number);
+  for (unsigned k = 0; k < num_lanes; k += 2) {
+    const __m128d two = {value[k], value[k + 1]};
+    bits |= static_cast<unsigned>(_mm_movemask_pd(_mm_cmpeq_pd(two, all))) << k;
+  }
+  return bits;
+#else
+  unsigned bits = 0;
+  for (unsigned k = 0; k < num_lanes; ++k) bits |= static_cast<unsigned>(value[k] == number) << k;
+  return bits;
+#endif
+}
+
+// Where in batches the vertex is that lies farthest along n: the first of equals. No function of its own per
+// instruction set: calling it would take longer than the eight products, and most cells have one batch.
+std::size_t farthest_of(const double* numbers, std::size_t batches, Vec3 n) {
   std::size_t found = 0;
   double best = -std::numeric_limits<double>::infinity();
   for (std::size_t b = 0; b < batches; ++b) {
-    const auto* from = reinterpret_cast<const Vector*>(numbers + b * numbers_per_batch);
-    const Vector value = from[0] * nx + from[1] * ny + from[2] * nz;
-    for (std::size_t k = 0; k < lanes; ++k) {
-      const bool is_better = best < value[k];
-      best = std::max(best, value[k]);
-      found = is_better ? b * numbers_per_batch + k : found;
-    }
+    const double* from = numbers + b * numbers_per_batch;
+    const Lanes value = load(from) * n.x + load(from + num_lanes) * n.y + load(from + 2 * num_lanes) * n.z;
+    const auto larger = [&](std::size_t i, std::size_t k) { return std::max(value[i], value[k]); };
+    const double largest = std::max(std::max(larger(0, 4), larger(2, 6)), std::max(larger(1, 5), larger(3, 7)));
+    if (!(largest > best)) continue;
+    best = largest;
+    // A bit beyond the lanes for numbers that are NaN.
+    const unsigned bits = lanes_equal_to(value, largest) | (1U << (num_lanes - 1));
+    found = b * numbers_per_batch + static_cast<std::size_t>(std::countr_zero(bits));
   }
   return found;
 }
@@ -121,12 +143,13 @@ void SupportTable::divide(const std::vector<Vec3>& vertices, std::size_t face, s
 Vec3 SupportTable::farthest(Vec3 n) const {
   const double x = std::abs(n.x), y = std::abs(n.y), z = std::abs(n.z);
   const int axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-  const std::size_t face = 2 * static_cast<std::size_t>(axis) + (n[axis] < 0 ? 1 : 0);
+  const double along[3] = {n.x, n.y, n.z};
+  const std::size_t face = 2 * static_cast<std::size_t>(axis) + (along[axis] < 0 ? 1 : 0);
   const Face& f = faces[face];
-  const double size = std::abs(n[axis]);
-  const Batches cell = cells_[(face * side + cell_of(n[f.row] / size)) * side + cell_of(n[f.column] / size)];
+  const double scale = 1 / std::abs(along[axis]);
+  const Batches cell = cells_[(face * side + cell_of(along[f.row] * scale)) * side + cell_of(along[f.column] * scale)];
   const double* numbers = &numbers_[cell.begin * numbers_per_batch];
-  const double* found = numbers + farthest_of(numbers, cell.count, n.x, n.y, n.z);
+  const double* found = numbers + farthest_of(numbers, cell.count, n);
   return {found[0], found[lanes], found[2 * lanes]};
 }
 
