@@ -13,7 +13,7 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array, Indices
 from planning.domain.robot.joints import JointLimits
-from planning.refine.constraints.load import DIFFERENCE_STEP, MAX_STATIC_LOAD, difference_quotients
+from planning.refine.constraints.load import MAX_STATIC_LOAD, difference_quotients
 from planning.world.mechanics.dynamics import GroupDynamics
 
 
@@ -50,7 +50,7 @@ class TorqueLoad:
         return (self._torque_ratios(q, v, vdot) - excess)[:, :, None]
 
     def derivatives(self, q: Array, v: Array, vdot: Array) -> Array:
-        """Return the derivatives of the load ratios by difference quotients."""
+        """Return the derivatives of the load ratios."""
         by_argument = self._slopes(q, v, vdot)
         is_excessive = np.abs(self.static_load(q)) > MAX_STATIC_LOAD
         excessive_rows = np.flatnonzero(is_excessive.any(axis=1))
@@ -59,7 +59,7 @@ class TorqueLoad:
         return by_argument[:, :, :, None]
 
     def _slopes(self, q: Array, v: Array, vdot: Array) -> Array:
-        efforts = self.dynamics.derivatives(q, v, vdot, DIFFERENCE_STEP)
+        efforts = self.dynamics.derivatives(q, v, vdot)
         if efforts is None:
             return difference_quotients(self._torque_ratios, q, v, vdot)
         return efforts[:, :, self.columns] / self.efforts[:, None]

@@ -24,26 +24,32 @@ from planning.refine.curves.path_velocity import path_grid
 class GridWeights:
     """Weights of control points for r, r' and r'' at the ends of parts of the grid's intervals.
 
+    Every interval has its own: at a knot the spans on both sides have other control points.
+
     Attributes:
-        control_points: Indices of the control points with nonzero weight, shape (n parts + 1, 4).
-        values: Their weights, shape (3, n parts + 1, 4).
+        control_points: Indices of the control points of each interval, shape (n, 4).
+        values: Their weights, shape (3, n, parts + 1, 4).
     """
 
     control_points: Indices
     values: Array
 
+    def along(self, points: Float64[np.ndarray, "k nq"]) -> Float64[np.ndarray, "3 m nq"]:
+        """Return r, r' and r'' at the ends of parts, m = n parts + 1, each once."""
+        ends = np.einsum("onpk,nkj->onpj", self.values, points[self.control_points])
+        firsts = ends[:, :, :-1].reshape(3, -1, points.shape[1])
+        return np.concatenate([firsts, ends[:, -1:, -1]], axis=1)
+
 
 @lru_cache(maxsize=16)
 def grid_weights(num_control_points: int, num_parts: int = 1) -> GridWeights:
     """Return the weights for a number of control points, at `num_parts` parts per grid interval."""
-    n = len(path_grid(num_control_points).control_points) * num_parts
-    weights_by_order = [
-        basis_weights(num_control_points, np.arange(n + 1) / n, order) for order in range(3)
-    ]
-    return GridWeights(
-        weights_by_order[0].control_points,
-        np.stack([weights.values for weights in weights_by_order]),
-    )
+    control_points = path_grid(num_control_points).control_points
+    n = len(control_points)
+    ends = (np.arange(n)[:, None] + np.arange(num_parts + 1) / num_parts) / n
+    spans = np.repeat(control_points[:, 0], num_parts + 1)
+    weights = [basis_weights(num_control_points, ends.ravel(), k, spans).values for k in range(3)]
+    return GridWeights(control_points, np.stack(weights).reshape(3, n, num_parts + 1, 4))
 
 
 @dataclass(frozen=True)
@@ -52,8 +58,8 @@ class CurveSamples:
 
     Attributes:
         step: Width of an interval.
-        weights: Weights of control points.
-        grid_indices: Rows of these weights, shape (m,).
+        weights: Weights of control points for r, r' and r'' at the samples, shape (3, m, 4).
+        control_points: Indices of these control points, shape (m, 4).
         intervals: Index of each sample's interval, on which u is constant, shape (m,).
         fractions: Fraction of the interval before the sample, shape (m,).
         states: r, r' and r'' at the samples, shape (3, m, nq).
@@ -62,8 +68,8 @@ class CurveSamples:
     """
 
     step: float
-    weights: GridWeights
-    grid_indices: Indices
+    weights: Array
+    control_points: Indices
     intervals: Indices
     fractions: Array
     states: Array
@@ -89,15 +95,15 @@ class CurveSamples:
         n = len(b) - 1
         intervals = np.repeat(np.arange(n), num_parts + 1)
         parts = np.tile(np.arange(num_parts + 1), n)
-        grid_indices, fractions = intervals * num_parts + parts, parts / num_parts
+        weights, fractions = grid_weights(num_control_points, num_parts), parts / num_parts
         interval_ends = np.stack([b[intervals], b[intervals + 1]], axis=1)
         return cls(
             path_grid(num_control_points).step,
-            grid_weights(num_control_points, num_parts),
-            grid_indices,
+            weights.values.reshape(3, -1, 4),
+            weights.control_points[intervals],
             intervals,
             fractions,
-            states[:, grid_indices],
+            states[:, intervals * num_parts + parts],
             (1 - fractions) * interval_ends[:, 0] + fractions * interval_ends[:, 1],
             interval_ends,
         )
@@ -106,8 +112,8 @@ class CurveSamples:
         """Return the selected samples."""
         return CurveSamples(
             self.step,
-            self.weights,
-            self.grid_indices[which],
+            self.weights[:, which],
+            self.control_points[which],
             self.intervals[which],
             self.fractions[which],
             self.states[:, which],
@@ -132,7 +138,7 @@ class CurveSamples:
         """
         b, u = self.b[:, None, None], self._u[:, None, None]
         by_state = np.stack([by_q, np.sqrt(b) * by_v + u * by_vdot, b * by_vdot])
-        weights = self.weights.values[:, self.grid_indices, None, :, None]
+        weights = self.weights[:, :, None, :, None]
         return (weights * by_state[:, :, :, None]).sum(axis=0)
 
     def by_path_velocity(self, by_v: Array, by_vdot: Array) -> Array:
@@ -145,11 +151,6 @@ class CurveSamples:
         shares = self.interval_ends * np.stack([1 - self.fractions, self.fractions], axis=1)
         shares /= np.where(self.b > 0, self.b, 1.0)[:, None]
         return by_u[:, :, None] * changes[:, None] + by_b[:, :, None] * shares[:, None]
-
-    @property
-    def control_points(self) -> Indices:
-        """Indices of the control points with nonzero weight at each sample, shape (m, 4)."""
-        return self.weights.control_points[self.grid_indices]
 
     @property
     def _u(self) -> Array:

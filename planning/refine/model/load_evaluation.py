@@ -86,8 +86,7 @@ class LoadEvaluation:
 
 
 def _sample_states(points: Float64[np.ndarray, "k nq"], num_parts: int) -> Array:
-    weights = grid_weights(len(points), num_parts)
-    return np.einsum("onk,nkj->onj", weights.values, points[weights.control_points])
+    return grid_weights(len(points), num_parts).along(points)
 
 
 def _static_load_excess(static_loads: Float64[np.ndarray, "m k"]) -> float:

@@ -20,8 +20,8 @@ _MIN_LOAD_RATIO = 0.5
 _MIN_STATIC_LOAD_RATIO = 0.75
 # Largest change of a row's sum by a step, in units of its entries: b may grow by half.
 _MAX_CHANGE_FACTOR = 1.5
-# Angles between the normals of tangent planes and the vector itself [rad].
-_TILT_ANGLES = (0.2, 0.5)
+# Angle between the normals of tangent planes and the vector itself [rad].
+_TILT_ANGLE = 0.4
 # A tangent plane bounds a ball on one side; a scalar is bounded on both.
 _UPPER_SIGNS, _BOTH_SIGNS = (1.0,), (1.0, -1.0)
 
@@ -102,7 +102,7 @@ class LoadLinearization:
             samples.fractions,
             samples.interval_ends,
             np.ascontiguousarray(samples.states[1:]),
-            samples.weights.values[:, samples.grid_indices],
+            np.ascontiguousarray(samples.weights),
             samples.step,
         )
 
@@ -192,7 +192,5 @@ def _normals(vectors: Float64[np.ndarray, "m balls dims"]) -> Float64[np.ndarray
     side /= np.linalg.norm(side, axis=2, keepdims=True)
     second_side = np.cross(direction, side)
     tangents = np.stack([side, second_side, -side, -second_side], axis=2)
-    tilted = [
-        np.cos(angle) * direction[:, :, None] + np.sin(angle) * tangents for angle in _TILT_ANGLES
-    ]
-    return np.concatenate([direction[:, :, None], *tilted], axis=2)
+    tilted = np.cos(_TILT_ANGLE) * direction[:, :, None] + np.sin(_TILT_ANGLE) * tangents
+    return np.concatenate([direction[:, :, None], tilted], axis=2)
