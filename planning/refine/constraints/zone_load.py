@@ -13,6 +13,7 @@ from planning.domain.arrays import Array
 from planning.domain.request.motion_limits import SpeedZone
 from planning.domain.robot.joints import JointGroup
 from planning.refine.constraints.load import difference_quotients
+from planning.refine.constraints.path_load import PathLoad
 from planning.refine.constraints.tool_load import tile_rows
 from planning.world.constraints.box_constraint import BoxConstraint
 from planning.world.mechanics.tool_kinematics import ToolKinematics
@@ -62,10 +63,12 @@ class ZoneLoad:
         by_q = self._by_position(q, v, jacobian, fractions)
         return np.stack([by_q, by_v, np.zeros_like(by_v)])[:, :, None]
 
-    def path_velocity_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:  # noqa: ARG002
+    def along(self, q: Array, rate: Array, curvature: Array) -> PathLoad:  # noqa: ARG002
         """Return one row: the square of the speed over the limit."""
-        squared_speed_ratios = np.sum(self._speed_ratios(q, rate) ** 2, axis=1, keepdims=True)
-        return np.zeros_like(squared_speed_ratios), squared_speed_ratios
+        by_root = self._speed_ratios(q, rate)
+        squares = np.sum(by_root**2, axis=1, keepdims=True)
+        rows = np.zeros_like(squares), squares
+        return PathLoad(rows, np.zeros((len(q), 0)), by_root=by_root[:, None])
 
     def static_load(self, q: Array) -> Array:
         """Return no columns: a frame at rest has no load."""
@@ -93,8 +96,12 @@ class ZoneLoad:
         return (weighted + velocities[:, :, None] * weight_by_q[:, None]) / self.speed
 
     def _speed_ratios(self, q: Array, v: Array) -> Array:
-        velocities = self.box.kinematics.velocities(q, v)
-        return velocities * (self._zone_weights(q) / self.speed)[:, None]
+        weights = self._zone_weights(q)
+        ratios, is_near = np.zeros((len(q), 3)), np.flatnonzero(weights)
+        if len(is_near):
+            velocities = self.box.kinematics.velocities(q[is_near], v[is_near])
+            ratios[is_near] = velocities * (weights[is_near] / self.speed)[:, None]
+        return ratios
 
     def _zone_weights(self, q: Array) -> Array:
         """Return the smooth weight of the zone in each row, 0 outside to 1 inside."""

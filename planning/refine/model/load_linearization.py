@@ -10,6 +10,7 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array, Flags, Indices
 from planning.kernel.native import native
 from planning.refine.constraints.load import MAX_STATIC_LOAD, Load, difference_quotients
+from planning.refine.constraints.path_load import PathLoad
 from planning.refine.curves.curve_samples import CurveSamples
 from planning.refine.model.path_velocity_constraints import RATE_PENALTY
 from planning.refine.model.penalty_qp import PenaltyRows
@@ -47,21 +48,27 @@ class LoadLinearization:
     penalty: float = RATE_PENALTY
 
     @classmethod
-    def of(cls, load: Load, samples: CurveSamples) -> "LoadLinearization":
-        """Linearize the load of a motion."""
-        vectors = load.load_ratios(*samples.motion)
-        selected = np.flatnonzero((np.linalg.norm(vectors, axis=2) > _MIN_LOAD_RATIO).any(axis=1))
+    def of(cls, load: Load, along: PathLoad, samples: CurveSamples) -> "LoadLinearization":
+        """Linearize the load of a motion along a curve."""
+        if not along.depends_on_u:
+            # Equal on both sides of a grid point.
+            samples = samples.selected(np.flatnonzero(samples.fractions < 1))
+        vectors = along.ratios(samples.grid_indices, samples.b, samples.u)
+        squares = np.einsum("mbd,mbd->mb", vectors, vectors)
+        selected = np.flatnonzero((squares > _MIN_LOAD_RATIO**2).any(axis=1))
         samples = samples.selected(selected)
         return cls(samples, vectors[selected], load.derivatives(*samples.motion))
 
     @classmethod
     def of_static_load(
-        cls, load: Load, samples: CurveSamples, penalty: float
-    ) -> "LoadLinearization":
-        """Linearize the static load."""
-        samples = samples.selected(np.flatnonzero(samples.fractions == 1))
-        static_loads = load.static_load(samples.states[0])
-        selected = np.flatnonzero((np.abs(static_loads) > _MIN_STATIC_LOAD_RATIO).any(axis=1))
+        cls, load: Load, along: PathLoad, samples: CurveSamples, penalty: float
+    ) -> "LoadLinearization | None":
+        """Linearize the static load; None where it is small everywhere."""
+        static_loads = along.static_load[samples.grid_indices]
+        is_large = (np.abs(static_loads) > _MIN_STATIC_LOAD_RATIO).any(axis=1)
+        selected = np.flatnonzero(is_large & (samples.fractions == 1))
+        if not len(selected):
+            return None
         samples = samples.selected(selected)
         (by_q,) = difference_quotients(load.static_load, samples.states[0])
         derivatives = np.stack([by_q, np.zeros_like(by_q), np.zeros_like(by_q)])[:, :, :, None]
@@ -102,7 +109,7 @@ class LoadLinearization:
             samples.fractions,
             samples.interval_ends,
             np.ascontiguousarray(samples.states[1:]),
-            np.ascontiguousarray(samples.weights),
+            samples.weights,
             samples.step,
         )
 

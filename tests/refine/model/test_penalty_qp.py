@@ -160,7 +160,7 @@ def test_products_that_are_not_broken_can_be_left_out(seed: int, num_rows: int) 
     program = replace(
         random_program(seed, 15, 30), products=products, lower=-box, upper=box, q=0.01 * box
     )
-    whole, active = program.solve(), program.solve_by_active_products()
+    whole, active = program.solve(), program.solve_by_active_rows()
     assert program.cost(active) == pytest.approx(program.cost(whole), rel=1e-5, abs=1e-5)
 
 
