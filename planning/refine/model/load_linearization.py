@@ -15,8 +15,9 @@ from planning.refine.curves.curve_samples import CurveSamples
 from planning.refine.model.path_velocity_constraints import RATE_PENALTY
 from planning.refine.model.penalty_qp import PenaltyRows
 
-# Load ratios below this have no row.
-_MIN_LOAD_RATIO = 0.5
+# Instants at which all load ratios are below the first have no rows, and sums below the second have
+# none, as rates have none.
+_MIN_LOAD_RATIO, _MIN_ROW_RATIO = 0.5, 0.3
 # The same for static loads, which change with the curve alone.
 _MIN_STATIC_LOAD_RATIO = 0.75
 # Largest change of a row's sum by a step, in units of its entries: b may grow by half.
@@ -179,7 +180,8 @@ class LoadLinearization:
         # Both bounds of a row follow each other: rows of the same columns are one block.
         signs = np.array(_BOTH_SIGNS if self.vectors.shape[2] == 1 else _UPPER_SIGNS)
         lower_bounds = signs * ratios[:, None] / self.bound - 1
-        rows, chosen = np.nonzero(lower_bounds > -max_change[:, None])
+        least = np.maximum(-max_change, _MIN_ROW_RATIO - 1)
+        rows, chosen = np.nonzero(lower_bounds > least[:, None])
         row_values = -signs[chosen, None] * values[rows] / self.bound
         return PenaltyRows(columns[rows], row_values, lower_bounds[rows, chosen], self.penalty)
 
