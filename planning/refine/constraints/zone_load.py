@@ -58,9 +58,10 @@ class ZoneLoad:
     def derivatives(self, q: Array, v: Array, vdot: Array) -> Array:  # noqa: ARG002
         """Return the derivatives of the load ratios."""
         jacobian = self.box.kinematics.velocity_jacobians(q)[:, 3:]
-        fractions = self._fractions(q)
+        local = self.box.origins_in_box(q)
+        fractions = self._fractions(local)
         by_v = jacobian * (self._weights_of(fractions) / self.speed)[:, None, None]
-        by_q = self._by_position(q, v, jacobian, fractions)
+        by_q = self._by_position(q, v, jacobian, local)
         return np.stack([by_q, by_v, np.zeros_like(by_v)])[:, :, None]
 
     def along(self, q: Array, rate: Array, curvature: Array) -> PathLoad:  # noqa: ARG002
@@ -78,7 +79,7 @@ class ZoneLoad:
         """Return 0: there may be a path around the zone."""
         return 0.0
 
-    def _by_position(self, q: Array, v: Array, jacobian: Array, fractions: Array) -> Array:
+    def _by_position(self, q: Array, v: Array, jacobian: Array, local: Array) -> Array:
         """Return the derivatives of the ratios by q: those of the velocity, and of the weight."""
         gradients = self.box.kinematics.velocity_gradients(q, v)
         if gradients is None:
@@ -87,11 +88,11 @@ class ZoneLoad:
             )
             return by_q
         # The weight is f^2 (3 - 2 f).
+        fractions = self._fractions(local)
         slopes = -6 * fractions * (1 - fractions) / ((_OUTER_RANGE + _INNER_RANGE) * self._scale)
-        weight_by_q = slopes[:, None] * np.einsum(
-            "mi,mij->mj", self.box.margin_gradients(q), jacobian
-        )
-        velocities = np.einsum("mij,mj->mi", jacobian, v)
+        normals = slopes[:, None] * self.box.gradients_at(local)
+        weight_by_q = (normals[:, None] @ jacobian)[:, 0]
+        velocities = (jacobian @ v[:, :, None])[:, :, 0]
         weighted = gradients * self._weights_of(fractions)[:, None, None]
         return (weighted + velocities[:, :, None] * weight_by_q[:, None]) / self.speed
 
@@ -105,11 +106,15 @@ class ZoneLoad:
 
     def _zone_weights(self, q: Array) -> Array:
         """Return the smooth weight of the zone in each row, 0 outside to 1 inside."""
-        return self._weights_of(self._fractions(q))
+        return self._weights_of(self._fractions(self.box.origins_in_box(q)))
 
-    def _fractions(self, q: Array) -> Array:
-        """Return where in the range of the weight each row is, 0 before to 1 behind."""
-        depth = _OUTER_RANGE * self._scale - self.box.signed_margins(q)
+    def _fractions(self, local: Array) -> Array:
+        """Return where in the range of the weight each row is, 0 before to 1 behind.
+
+        Args:
+            local: Origins in the box's frame [m], shape (m, 3).
+        """
+        depth = _OUTER_RANGE * self._scale - self.box.margins_at(local)
         return np.clip(depth / ((_OUTER_RANGE + _INNER_RANGE) * self._scale), 0.0, 1.0)
 
     @property
