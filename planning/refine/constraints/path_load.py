@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.arrays import Array, Indices
+from planning.domain.arrays import Indices
 
 
 @dataclass(frozen=True)

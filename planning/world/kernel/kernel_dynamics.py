@@ -8,7 +8,6 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.framework import Context
 
-from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
 from planning.kernel.native import native
 from planning.world.drake_model import DrakeModel

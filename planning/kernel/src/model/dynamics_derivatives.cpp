@@ -103,8 +103,8 @@ void InverseDynamics::add_coordinates(std::size_t i, Work& work) const {
   const Inertia& inertia = inertias_[i];
   const Transform& X = work.X_WL[i];
   const Coordinate& at = work.coordinates[last];
-  add(work.composites[last], moving(inertia.mass, X.R * inertia.center + X.p,
-                                    X.R * inertia.about_center * transposed(X.R), at.v, at.a));
+  add(work.composites[last],
+      moving(inertia.mass, X.R * inertia.center + X.p, X.R * inertia.about_center * transposed(X.R), at.v, at.a));
 }
 
 void InverseDynamics::derivatives(const double* q, const double* v, const double* vdot, double* found,

@@ -27,7 +27,8 @@ void add_rows(const double* values, std::size_t rows, std::size_t stride, const 
   }
 }
 
-// Adds the products of `count` entries of rows from `scaled` on with `chunks` times eight of `values`, summed over rows.
+// Adds the products of `count` entries of rows from `scaled` on with `chunks` times eight of `values`, summed over
+// rows.
 template <std::size_t count, std::size_t chunks>
 [[gnu::always_inline]] inline void add_products(const double* scaled, const double* values, std::size_t rows,
                                                 std::size_t stride, double* square) {
@@ -41,8 +42,8 @@ template <std::size_t count, std::size_t chunks>
     for (std::size_t c = 0; c < chunks; ++c) store(square + i * stride + c * num_lanes, sums[i][c]);
 }
 
-// square = sum_r weight_r v_r v_r', where it is not above the diagonal. Four rows of it at once stay in registers through
-// all rows of the block.
+// square = sum_r weight_r v_r v_r', where it is not above the diagonal. Four rows of it at once stay in registers
+// through all rows of the block.
 WAYPROOF_MULTIVERSION
 void row_squares(const double* values, std::size_t rows, std::size_t stride, const double* weight, double* scaled,
                  double* square) {
