@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.arrays import Array
+from planning.refine.constraints.path_load import PathLoad
 
 # Largest static load ratio: above it too little of a limit is left to stop a motion.
 MAX_STATIC_LOAD = 0.98
@@ -52,13 +53,13 @@ class Load(Protocol):
         """Return the derivatives of the ratios with respect to q, v and vdot."""
         ...
 
-    def path_velocity_rows(
+    def along(
         self,
         q: Float64[np.ndarray, "m nq"],
         rate: Float64[np.ndarray, "m nq"],
         curvature: Float64[np.ndarray, "m nq"],
-    ) -> tuple[Float64[np.ndarray, "m k"], Float64[np.ndarray, "m k"]]:
-        """Return coefficients c_u and c_b of rows c_u u + c_b b <= 1 that imply the limits.
+    ) -> PathLoad:
+        """Return the load of all motions along a curve.
 
         Args:
             q: r(s).

@@ -12,6 +12,7 @@ import numpy as np
 from planning.domain.arrays import Array
 from planning.domain.request.motion_limits import ToolLimit
 from planning.refine.constraints.load import difference_quotients
+from planning.refine.constraints.path_load import PathLoad
 from planning.refine.curves.duration_bound import rest_to_rest_durations
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 
@@ -53,12 +54,15 @@ class ToolLoad:
             return acceleration_ratios[:, None]
         return np.stack([velocity / self._max_speed, acceleration_ratios], axis=1)
 
-    def path_velocity_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:
+    def along(self, q: Array, rate: Array, curvature: Array) -> PathLoad:
         """Return one row for the speed, and the polygon's rows for the acceleration."""
+        no_static_load = np.zeros((len(q), 0))
         if self.limit.acceleration is None:
             tangent = self.kinematics.velocities(q, rate)
             speed_rows = (_lengths(tangent) / self._max_speed) ** 2
-            return np.zeros_like(speed_rows), speed_rows
+            rows = np.zeros_like(speed_rows), speed_rows
+            by_root = (tangent / self._max_speed)[:, None]
+            return PathLoad(rows, no_static_load, by_root=by_root)
         tangent, second_derivative = self._velocity_and_acceleration(q, rate, curvature)
         tangent_length, speed_rows = _lengths(tangent), (_lengths(tangent) / self._max_speed) ** 2
         unit = tangent / np.maximum(tangent_length, _TINY)
@@ -66,10 +70,19 @@ class ToolLoad:
         across = _lengths(second_derivative - along * unit)
         radius = self._max_acceleration * _APOTHEM
         cosines, sines = np.cos(_ANGLES), np.sin(_ANGLES)
-        return (
+        rows = (
             np.concatenate([np.zeros_like(speed_rows), cosines * tangent_length / radius], axis=1),
             np.concatenate([speed_rows, (cosines * along + sines * across) / radius], axis=1),
         )
+        by_u, by_b = (
+            (part / self._max_acceleration)[:, None] for part in (tangent, second_derivative)
+        )
+        by_root = None
+        if self.limit.speed is not None:
+            none = np.zeros_like(by_u)
+            by_root = np.concatenate([(tangent / self._max_speed)[:, None], none], axis=1)
+            by_u, by_b = (np.concatenate([none, part], axis=1) for part in (by_u, by_b))
+        return PathLoad(rows, no_static_load, by_root=by_root, by_u=by_u, by_b=by_b)
 
     def derivatives(self, q: Array, v: Array, vdot: Array) -> Array:
         """Return the derivatives of the load ratios.

@@ -13,7 +13,8 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array, Indices
 from planning.domain.robot.joints import JointLimits
-from planning.refine.constraints.load import DIFFERENCE_STEP, MAX_STATIC_LOAD, difference_quotients
+from planning.refine.constraints.load import MAX_STATIC_LOAD, difference_quotients
+from planning.refine.constraints.path_load import PathLoad
 from planning.world.mechanics.dynamics import GroupDynamics
 
 
@@ -50,21 +51,23 @@ class TorqueLoad:
         return (self._torque_ratios(q, v, vdot) - excess)[:, :, None]
 
     def derivatives(self, q: Array, v: Array, vdot: Array) -> Array:
-        """Return the derivatives of the load ratios by difference quotients."""
+        """Return the derivatives of the load ratios."""
         by_argument = self._slopes(q, v, vdot)
         is_excessive = np.abs(self.static_load(q)) > MAX_STATIC_LOAD
         excessive_rows = np.flatnonzero(is_excessive.any(axis=1))
+        if not len(excessive_rows):
+            return by_argument[:, :, :, None]
         (by_q,) = difference_quotients(self.static_load, q[excessive_rows])
         by_argument[0, excessive_rows] -= np.where(is_excessive[excessive_rows, :, None], by_q, 0.0)
         return by_argument[:, :, :, None]
 
     def _slopes(self, q: Array, v: Array, vdot: Array) -> Array:
-        efforts = self.dynamics.derivatives(q, v, vdot, DIFFERENCE_STEP)
+        efforts = self.dynamics.derivatives(q, v, vdot)
         if efforts is None:
             return difference_quotients(self._torque_ratios, q, v, vdot)
         return efforts[:, :, self.columns] / self.efforts[:, None]
 
-    def path_velocity_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:
+    def along(self, q: Array, rate: Array, curvature: Array) -> PathLoad:
         """Return two rows for every joint, in units of what gravity leaves of the limit."""
         path_efforts = self.dynamics.path_efforts(q, rate, curvature)
         by_u, by_b, static_loads = (
@@ -78,9 +81,17 @@ class TorqueLoad:
         upper_reserve, lower_reserve = (
             np.maximum(1 + sign * static_loads, 1 - MAX_STATIC_LOAD) for sign in (-1, 1)
         )
-        return (
+        rows = (
             np.concatenate([by_u / upper_reserve, -by_u / lower_reserve], axis=1),
             np.concatenate([by_b / upper_reserve, -by_b / lower_reserve], axis=1),
+        )
+        rest = np.clip(static_loads, -MAX_STATIC_LOAD, MAX_STATIC_LOAD)
+        return PathLoad(
+            rows,
+            static_loads,
+            by_u=by_u[:, :, None],
+            by_b=by_b[:, :, None],
+            rest=rest[:, :, None],
         )
 
     def static_load(self, q: Array) -> Array:

@@ -13,6 +13,7 @@ from planning.domain.arrays import Array
 from planning.domain.request.motion_limits import SpeedZone
 from planning.domain.robot.joints import JointGroup
 from planning.refine.constraints.load import difference_quotients
+from planning.refine.constraints.path_load import PathLoad
 from planning.refine.constraints.tool_load import tile_rows
 from planning.world.constraints.box_constraint import BoxConstraint
 from planning.world.mechanics.tool_kinematics import ToolKinematics
@@ -57,15 +58,18 @@ class ZoneLoad:
     def derivatives(self, q: Array, v: Array, vdot: Array) -> Array:  # noqa: ARG002
         """Return the derivatives of the load ratios."""
         jacobian = self.box.kinematics.velocity_jacobians(q)[:, 3:]
-        fractions = self._fractions(q)
+        local = self.box.origins_in_box(q)
+        fractions = self._fractions(local)
         by_v = jacobian * (self._weights_of(fractions) / self.speed)[:, None, None]
-        by_q = self._by_position(q, v, jacobian, fractions)
+        by_q = self._by_position(q, v, jacobian, local)
         return np.stack([by_q, by_v, np.zeros_like(by_v)])[:, :, None]
 
-    def path_velocity_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:  # noqa: ARG002
+    def along(self, q: Array, rate: Array, curvature: Array) -> PathLoad:  # noqa: ARG002
         """Return one row: the square of the speed over the limit."""
-        squared_speed_ratios = np.sum(self._speed_ratios(q, rate) ** 2, axis=1, keepdims=True)
-        return np.zeros_like(squared_speed_ratios), squared_speed_ratios
+        by_root = self._speed_ratios(q, rate)
+        squares = np.sum(by_root**2, axis=1, keepdims=True)
+        rows = np.zeros_like(squares), squares
+        return PathLoad(rows, np.zeros((len(q), 0)), by_root=by_root[:, None])
 
     def static_load(self, q: Array) -> Array:
         """Return no columns: a frame at rest has no load."""
@@ -75,7 +79,7 @@ class ZoneLoad:
         """Return 0: there may be a path around the zone."""
         return 0.0
 
-    def _by_position(self, q: Array, v: Array, jacobian: Array, fractions: Array) -> Array:
+    def _by_position(self, q: Array, v: Array, jacobian: Array, local: Array) -> Array:
         """Return the derivatives of the ratios by q: those of the velocity, and of the weight."""
         gradients = self.box.kinematics.velocity_gradients(q, v)
         if gradients is None:
@@ -84,25 +88,33 @@ class ZoneLoad:
             )
             return by_q
         # The weight is f^2 (3 - 2 f).
+        fractions = self._fractions(local)
         slopes = -6 * fractions * (1 - fractions) / ((_OUTER_RANGE + _INNER_RANGE) * self._scale)
-        weight_by_q = slopes[:, None] * np.einsum(
-            "mi,mij->mj", self.box.margin_gradients(q), jacobian
-        )
-        velocities = np.einsum("mij,mj->mi", jacobian, v)
+        normals = slopes[:, None] * self.box.gradients_at(local)
+        weight_by_q = (normals[:, None] @ jacobian)[:, 0]
+        velocities = (jacobian @ v[:, :, None])[:, :, 0]
         weighted = gradients * self._weights_of(fractions)[:, None, None]
         return (weighted + velocities[:, :, None] * weight_by_q[:, None]) / self.speed
 
     def _speed_ratios(self, q: Array, v: Array) -> Array:
-        velocities = self.box.kinematics.velocities(q, v)
-        return velocities * (self._zone_weights(q) / self.speed)[:, None]
+        weights = self._zone_weights(q)
+        ratios, is_near = np.zeros((len(q), 3)), np.flatnonzero(weights)
+        if len(is_near):
+            velocities = self.box.kinematics.velocities(q[is_near], v[is_near])
+            ratios[is_near] = velocities * (weights[is_near] / self.speed)[:, None]
+        return ratios
 
     def _zone_weights(self, q: Array) -> Array:
         """Return the smooth weight of the zone in each row, 0 outside to 1 inside."""
-        return self._weights_of(self._fractions(q))
+        return self._weights_of(self._fractions(self.box.origins_in_box(q)))
 
-    def _fractions(self, q: Array) -> Array:
-        """Return where in the range of the weight each row is, 0 before to 1 behind."""
-        depth = _OUTER_RANGE * self._scale - self.box.signed_margins(q)
+    def _fractions(self, local: Array) -> Array:
+        """Return where in the range of the weight each row is, 0 before to 1 behind.
+
+        Args:
+            local: Origins in the box's frame [m], shape (m, 3).
+        """
+        depth = _OUTER_RANGE * self._scale - self.box.margins_at(local)
         return np.clip(depth / ((_OUTER_RANGE + _INNER_RANGE) * self._scale), 0.0, 1.0)
 
     @property

@@ -10,7 +10,7 @@ to control points and path velocity.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from jaxtyping import Float64
@@ -24,26 +24,32 @@ from planning.refine.curves.path_velocity import path_grid
 class GridWeights:
     """Weights of control points for r, r' and r'' at the ends of parts of the grid's intervals.
 
+    Every interval has its own: at a knot the spans on both sides have other control points.
+
     Attributes:
-        control_points: Indices of the control points with nonzero weight, shape (n parts + 1, 4).
-        values: Their weights, shape (3, n parts + 1, 4).
+        control_points: Indices of the control points of each interval, shape (n, 4).
+        values: Their weights, shape (3, n, parts + 1, 4).
     """
 
     control_points: Indices
     values: Array
 
+    def along(self, points: Float64[np.ndarray, "k nq"]) -> Float64[np.ndarray, "3 m nq"]:
+        """Return r, r' and r'' at the ends of parts, m = n parts + 1, each once."""
+        ends = np.einsum("onpk,nkj->onpj", self.values, points[self.control_points])
+        firsts = ends[:, :, :-1].reshape(3, -1, points.shape[1])
+        return np.concatenate([firsts, ends[:, -1:, -1]], axis=1)
+
 
 @lru_cache(maxsize=16)
 def grid_weights(num_control_points: int, num_parts: int = 1) -> GridWeights:
     """Return the weights for a number of control points, at `num_parts` parts per grid interval."""
-    n = len(path_grid(num_control_points).control_points) * num_parts
-    weights_by_order = [
-        basis_weights(num_control_points, np.arange(n + 1) / n, order) for order in range(3)
-    ]
-    return GridWeights(
-        weights_by_order[0].control_points,
-        np.stack([weights.values for weights in weights_by_order]),
-    )
+    control_points = path_grid(num_control_points).control_points
+    n = len(control_points)
+    ends = (np.arange(n)[:, None] + np.arange(num_parts + 1) / num_parts) / n
+    spans = np.repeat(control_points[:, 0], num_parts + 1)
+    weights = [basis_weights(num_control_points, ends.ravel(), k, spans).values for k in range(3)]
+    return GridWeights(control_points, np.stack(weights).reshape(3, n, num_parts + 1, 4))
 
 
 @dataclass(frozen=True)
@@ -52,22 +58,18 @@ class CurveSamples:
 
     Attributes:
         step: Width of an interval.
-        weights: Weights of control points.
-        grid_indices: Rows of these weights, shape (m,).
+        table: Weights of control points by interval and part of it.
+        curve_states: r, r' and r'' at the ends of all parts, shape (3, n parts + 1, nq).
+        grid_indices: Which of these each sample has, shape (m,).
         intervals: Index of each sample's interval, on which u is constant, shape (m,).
-        fractions: Fraction of the interval before the sample, shape (m,).
-        states: r, r' and r'' at the samples, shape (3, m, nq).
-        b: Squared path velocity at the samples, shape (m,).
         interval_ends: b at both ends of the interval, shape (m, 2).
     """
 
     step: float
-    weights: GridWeights
+    table: GridWeights
+    curve_states: Array
     grid_indices: Indices
     intervals: Indices
-    fractions: Array
-    states: Array
-    b: Array
     interval_ends: Array
 
     @classmethod
@@ -86,40 +88,64 @@ class CurveSamples:
             b: Squared path velocity at the grid.
             num_parts: Number of parts of an interval.
         """
-        n = len(b) - 1
-        intervals = np.repeat(np.arange(n), num_parts + 1)
-        parts = np.tile(np.arange(num_parts + 1), n)
-        grid_indices, fractions = intervals * num_parts + parts, parts / num_parts
+        table = grid_weights(num_control_points, num_parts)
+        intervals, grid_indices = _all_samples(len(b) - 1, num_parts)
         interval_ends = np.stack([b[intervals], b[intervals + 1]], axis=1)
-        return cls(
-            path_grid(num_control_points).step,
-            grid_weights(num_control_points, num_parts),
-            grid_indices,
-            intervals,
-            fractions,
-            states[:, grid_indices],
-            (1 - fractions) * interval_ends[:, 0] + fractions * interval_ends[:, 1],
-            interval_ends,
-        )
+        step = path_grid(num_control_points).step
+        return cls(step, table, states, grid_indices, intervals, interval_ends)
 
     def selected(self, which: Indices) -> "CurveSamples":
         """Return the selected samples."""
         return CurveSamples(
             self.step,
-            self.weights,
+            self.table,
+            self.curve_states,
             self.grid_indices[which],
             self.intervals[which],
-            self.fractions[which],
-            self.states[:, which],
-            self.b[which],
             self.interval_ends[which],
         )
+
+    @property
+    def num_parts(self) -> int:
+        """Number of parts of an interval."""
+        return self.table.values.shape[2] - 1
+
+    @cached_property
+    def fractions(self) -> Float64[np.ndarray, " m"]:
+        """Fraction of the interval before each sample."""
+        return self._parts / self.num_parts
+
+    @cached_property
+    def b(self) -> Float64[np.ndarray, " m"]:
+        """Squared path velocity at each sample [1/s^2]."""
+        low, high = self.interval_ends.T
+        return (1 - self.fractions) * low + self.fractions * high
+
+    @cached_property
+    def u(self) -> Float64[np.ndarray, " m"]:
+        """Path acceleration at each sample [1/s^2]."""
+        return (self.interval_ends[:, 1] - self.interval_ends[:, 0]) / (2 * self.step)
+
+    @cached_property
+    def states(self) -> Float64[np.ndarray, "3 m nq"]:
+        """Return r, r' and r'' at each sample."""
+        return self.curve_states[:, self.grid_indices]
+
+    @cached_property
+    def weights(self) -> Float64[np.ndarray, "3 m 4"]:
+        """Weights of control points for r, r' and r'' at each sample."""
+        return self.table.values[:, self.intervals, self._parts]
+
+    @cached_property
+    def control_points(self) -> Indices:
+        """Indices of the control points with these weights, shape (m, 4)."""
+        return self.table.control_points[self.intervals]
 
     @property
     def motion(self) -> tuple[Array, Array, Array]:
         """Configuration q, velocity v and acceleration vdot, each of shape (m, nq)."""
         q, rate, curvature = self.states
-        b, u = self.b[:, None], self._u[:, None]
+        b, u = self.b[:, None], self.u[:, None]
         return q, rate * np.sqrt(b), curvature * b + rate * u
 
     def by_control_point(self, by_q: Array, by_v: Array, by_vdot: Array) -> Array:
@@ -130,9 +156,9 @@ class CurveSamples:
             by_v: Derivatives by v, likewise.
             by_vdot: Derivatives by vdot, likewise.
         """
-        b, u = self.b[:, None, None], self._u[:, None, None]
+        b, u = self.b[:, None, None], self.u[:, None, None]
         by_state = np.stack([by_q, np.sqrt(b) * by_v + u * by_vdot, b * by_vdot])
-        weights = self.weights.values[:, self.grid_indices, None, :, None]
+        weights = self.weights[:, :, None, :, None]
         return (weights * by_state[:, :, :, None]).sum(axis=0)
 
     def by_path_velocity(self, by_v: Array, by_vdot: Array) -> Array:
@@ -147,10 +173,12 @@ class CurveSamples:
         return by_u[:, :, None] * changes[:, None] + by_b[:, :, None] * shares[:, None]
 
     @property
-    def control_points(self) -> Indices:
-        """Indices of the control points with nonzero weight at each sample, shape (m, 4)."""
-        return self.weights.control_points[self.grid_indices]
+    def _parts(self) -> Indices:
+        return self.grid_indices - self.intervals * self.num_parts
 
-    @property
-    def _u(self) -> Array:
-        return (self.interval_ends[:, 1] - self.interval_ends[:, 0]) / (2 * self.step)
+
+@lru_cache(maxsize=16)
+def _all_samples(num_intervals: int, num_parts: int) -> tuple[Indices, Indices]:
+    """Return the interval of both ends of every part, and the place of each along the curve."""
+    intervals = np.repeat(np.arange(num_intervals), num_parts + 1)
+    return intervals, intervals * num_parts + np.tile(np.arange(num_parts + 1), num_intervals)

@@ -123,7 +123,7 @@ class CurveModel:
         """Return the same by numpy, with the clearance objective if there is one."""
         radii = radius * self._bounds.velocity
         program = self._make_program(evaluation, radii)
-        x = program.solve_by_active_products()
+        x = program.solve_by_active_rows()
         points = evaluation.points.copy()
         points[1:-1] += x[self._layout.control_points[1:-1]] * radii
         points[1:-1] = np.clip(points[1:-1], self._limits.lower, self._limits.upper)
@@ -151,7 +151,7 @@ class CurveModel:
         upper[points] = np.minimum((self._limits.upper - evaluation.points[1:-1]) / radii, 1.0)
         lower = np.minimum(lower, 0.0)
         upper = np.maximum(upper, lower + _MIN_BOX_WIDTH)
-        rows = [*self._rate_rows(evaluation, radii), *self._load_rows(evaluation, radii)]
+        rows = self._rate_rows(evaluation, radii)
         distances = distance_rows(
             self._layout.control_points,
             evaluation.distances,
@@ -174,7 +174,8 @@ class CurveModel:
                     _PENALTY_RATIO * cost_per_sample,
                 )
             )
-        return PenaltyQp(c, q, lower, upper, tuple(rows), distances)
+        loads = tuple(self._load_rows(evaluation, radii))
+        return PenaltyQp(c, q, lower, upper, tuple(rows), distances, loads)
 
     def _load_rows(self, evaluation: CurveEvaluation, radii: Array) -> list[PenaltyRows]:
         layout = self._layout

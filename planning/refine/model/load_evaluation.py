@@ -8,6 +8,7 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array
 from planning.refine.constraints.load import MAX_STATIC_LOAD, Load
+from planning.refine.constraints.path_load import PathLoad
 from planning.refine.constraints.rate_bounds import RateBounds
 from planning.refine.curves.curve_samples import CurveSamples, grid_weights
 from planning.refine.curves.native_grid import native_path_velocity
@@ -30,6 +31,7 @@ class LoadEvaluation:
     Attributes:
         num_control_points: Number of control points.
         loads: The loads, at least one.
+        along: Each load along the curve, in the order of `loads`.
         states_by_num_parts: r, r' and r'' at the ends of parts of the grid's intervals, by the
             number of these parts, shape (3, n parts + 1, nq) each.
         path_velocity_constraints: Constraints of all loads on the path velocity.
@@ -38,6 +40,7 @@ class LoadEvaluation:
 
     num_control_points: int
     loads: tuple[Load, ...]
+    along: tuple[PathLoad, ...]
     states_by_num_parts: Mapping[int, Array]
     path_velocity_constraints: PathVelocityConstraints
     excess: float
@@ -47,16 +50,14 @@ class LoadEvaluation:
         """Evaluate the loads of the curve with these control points."""
         states = {load.num_parts: _sample_states(points, load.num_parts) for load in loads}
         step = path_grid(len(points)).step
+        along = tuple(load.along(*states[load.num_parts]) for load in loads)
         constraints = [
-            PathVelocityConstraints.of(
-                step, *load.path_velocity_rows(*states[load.num_parts]), load.num_parts
-            )
-            for load in loads
+            PathVelocityConstraints.of(step, *part.rows, load.num_parts)
+            for load, part in zip(loads, along, strict=True)
         ]
-        excess = sum(
-            _static_load_excess(load.static_load(states[load.num_parts][0])) for load in loads
-        )
-        return cls(len(points), loads, states, PathVelocityConstraints.joined(constraints), excess)
+        excess = sum(_static_load_excess(part.static_load) for part in along)
+        joined = PathVelocityConstraints.joined(constraints)
+        return cls(len(points), loads, along, states, joined, excess)
 
     @property
     def penalty(self) -> float:
@@ -72,25 +73,22 @@ class LoadEvaluation:
             for num_parts, states in self.states_by_num_parts.items()
         }
         penalty = _STATIC_LOAD_PENALTY * MAX_STATIC_LOAD / duration
-        dynamic_loads = (LoadLinearization.of(load, samples[load.num_parts]) for load in self.loads)
-        static_loads = (
-            LoadLinearization.of_static_load(load, samples[load.num_parts], penalty)
-            for load in self.loads
-            if self._has_static_load(load)
-        )
-        return (*dynamic_loads, *static_loads)
-
-    def _has_static_load(self, load: Load) -> bool:
-        positions = self.states_by_num_parts[load.num_parts][0]
-        return load.static_load(positions[:1]).shape[1] > 0
+        all_loads = [
+            (load, part, samples[load.num_parts])
+            for load, part in zip(self.loads, self.along, strict=True)
+        ]
+        dynamic_loads = [LoadLinearization.of(*each) for each in all_loads]
+        static_loads = [LoadLinearization.of_static_load(*each, penalty) for each in all_loads]
+        return (*dynamic_loads, *(each for each in static_loads if each is not None))
 
 
 def _sample_states(points: Float64[np.ndarray, "k nq"], num_parts: int) -> Array:
-    weights = grid_weights(len(points), num_parts)
-    return np.einsum("onk,nkj->onj", weights.values, points[weights.control_points])
+    return grid_weights(len(points), num_parts).along(points)
 
 
 def _static_load_excess(static_loads: Float64[np.ndarray, "m k"]) -> float:
+    if not static_loads.size:
+        return 0.0
     return float(np.maximum(np.abs(static_loads) - MAX_STATIC_LOAD, 0.0).sum())
 
 

@@ -10,18 +10,20 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array, Flags, Indices
 from planning.kernel.native import native
 from planning.refine.constraints.load import MAX_STATIC_LOAD, Load, difference_quotients
+from planning.refine.constraints.path_load import PathLoad
 from planning.refine.curves.curve_samples import CurveSamples
 from planning.refine.model.path_velocity_constraints import RATE_PENALTY
 from planning.refine.model.penalty_qp import PenaltyRows
 
-# Load ratios below this have no row.
-_MIN_LOAD_RATIO = 0.5
+# Instants at which all load ratios are below the first have no rows, and sums below the second have
+# none, as rates have none.
+_MIN_LOAD_RATIO, _MIN_ROW_RATIO = 0.5, 0.3
 # The same for static loads, which change with the curve alone.
 _MIN_STATIC_LOAD_RATIO = 0.75
 # Largest change of a row's sum by a step, in units of its entries: b may grow by half.
 _MAX_CHANGE_FACTOR = 1.5
-# Angles between the normals of tangent planes and the vector itself [rad].
-_TILT_ANGLES = (0.2, 0.5)
+# Angle between the normals of tangent planes and the vector itself [rad].
+_TILT_ANGLE = 0.4
 # A tangent plane bounds a ball on one side; a scalar is bounded on both.
 _UPPER_SIGNS, _BOTH_SIGNS = (1.0,), (1.0, -1.0)
 
@@ -47,21 +49,27 @@ class LoadLinearization:
     penalty: float = RATE_PENALTY
 
     @classmethod
-    def of(cls, load: Load, samples: CurveSamples) -> "LoadLinearization":
-        """Linearize the load of a motion."""
-        vectors = load.load_ratios(*samples.motion)
-        selected = np.flatnonzero((np.linalg.norm(vectors, axis=2) > _MIN_LOAD_RATIO).any(axis=1))
+    def of(cls, load: Load, along: PathLoad, samples: CurveSamples) -> "LoadLinearization":
+        """Linearize the load of a motion along a curve."""
+        if not along.depends_on_u:
+            # Equal on both sides of a grid point.
+            samples = samples.selected(np.flatnonzero(samples.fractions < 1))
+        vectors = along.ratios(samples.grid_indices, samples.b, samples.u)
+        squares = np.einsum("mbd,mbd->mb", vectors, vectors)
+        selected = np.flatnonzero((squares > _MIN_LOAD_RATIO**2).any(axis=1))
         samples = samples.selected(selected)
         return cls(samples, vectors[selected], load.derivatives(*samples.motion))
 
     @classmethod
     def of_static_load(
-        cls, load: Load, samples: CurveSamples, penalty: float
-    ) -> "LoadLinearization":
-        """Linearize the static load."""
-        samples = samples.selected(np.flatnonzero(samples.fractions == 1))
-        static_loads = load.static_load(samples.states[0])
-        selected = np.flatnonzero((np.abs(static_loads) > _MIN_STATIC_LOAD_RATIO).any(axis=1))
+        cls, load: Load, along: PathLoad, samples: CurveSamples, penalty: float
+    ) -> "LoadLinearization | None":
+        """Linearize the static load; None where it is small everywhere."""
+        static_loads = along.static_load[samples.grid_indices]
+        is_large = (np.abs(static_loads) > _MIN_STATIC_LOAD_RATIO).any(axis=1)
+        selected = np.flatnonzero(is_large & (samples.fractions == 1))
+        if not len(selected):
+            return None
         samples = samples.selected(selected)
         (by_q,) = difference_quotients(load.static_load, samples.states[0])
         derivatives = np.stack([by_q, np.zeros_like(by_q), np.zeros_like(by_q)])[:, :, :, None]
@@ -102,7 +110,7 @@ class LoadLinearization:
             samples.fractions,
             samples.interval_ends,
             np.ascontiguousarray(samples.states[1:]),
-            samples.weights.values[:, samples.grid_indices],
+            samples.weights,
             samples.step,
         )
 
@@ -172,7 +180,8 @@ class LoadLinearization:
         # Both bounds of a row follow each other: rows of the same columns are one block.
         signs = np.array(_BOTH_SIGNS if self.vectors.shape[2] == 1 else _UPPER_SIGNS)
         lower_bounds = signs * ratios[:, None] / self.bound - 1
-        rows, chosen = np.nonzero(lower_bounds > -max_change[:, None])
+        least = np.maximum(-max_change, _MIN_ROW_RATIO - 1)
+        rows, chosen = np.nonzero(lower_bounds > least[:, None])
         row_values = -signs[chosen, None] * values[rows] / self.bound
         return PenaltyRows(columns[rows], row_values, lower_bounds[rows, chosen], self.penalty)
 
@@ -192,7 +201,5 @@ def _normals(vectors: Float64[np.ndarray, "m balls dims"]) -> Float64[np.ndarray
     side /= np.linalg.norm(side, axis=2, keepdims=True)
     second_side = np.cross(direction, side)
     tangents = np.stack([side, second_side, -side, -second_side], axis=2)
-    tilted = [
-        np.cos(angle) * direction[:, :, None] + np.sin(angle) * tangents for angle in _TILT_ANGLES
-    ]
-    return np.concatenate([direction[:, :, None], *tilted], axis=2)
+    tilted = np.cos(_TILT_ANGLE) * direction[:, :, None] + np.sin(_TILT_ANGLE) * tangents
+    return np.concatenate([direction[:, :, None], tilted], axis=2)

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64, Int
+from jaxtyping import Bool, Float64, Int
 from pydrake.solvers import ClarabelSolver, MathematicalProgram
 
 from planning.domain.arrays import Array
@@ -23,8 +23,9 @@ MAX_STEPS = 40
 _NO_PRODUCTS = np.zeros((0, 0), dtype=np.int64), np.zeros((0, 0)), np.zeros((0, 0))
 # Rows per block: Drake takes dense blocks, which are mostly zeros if they are large.
 _BLOCK_SIZE = 64
-# Share of the largest change of a product row that minimizers rarely exceed.
-_LIKELY_SHARE = 0.25
+# Share of the largest change of a row that minimizers rarely exceed, and the change of a load over
+# its bound that they rarely exceed.
+_LIKELY_SHARE, _LIKELY_CHANGE = 0.25, 0.6
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,12 @@ class PenaltyRows:
             self.columns[which], self.values[which], self.lower_bounds[which], self.penalty
         )
 
+    @property
+    def are_likely(self) -> Bool[np.ndarray, " m"]:
+        """Whether the minimizer in a box of -1 to 1 is likely to break each row without it."""
+        largest_changes = np.abs(np.where(self.columns >= 0, self.values, 0.0)).sum(axis=1)
+        return -self.lower_bounds < np.minimum(_LIKELY_SHARE * largest_changes, _LIKELY_CHANGE)
+
     def penalty_at(self, x: Float64[np.ndarray, " n"]) -> float:
         """Return the penalty at x."""
         return self.penalty * float(np.maximum(self.violations(x), 0.0).sum())
@@ -112,6 +119,15 @@ class ProductRows:
             columns.reshape(size), values.reshape(size), self.lower_bounds, self.penalty
         )
 
+    def violations(self, x: Float64[np.ndarray, " n"]) -> Float64[np.ndarray, " m"]:
+        """Return the violation of each row at x, negative where it is satisfied with a margin."""
+        return self.expanded.violations(x)
+
+    @property
+    def are_likely(self) -> Bool[np.ndarray, " m"]:
+        """Whether the minimizer in a box of -1 to 1 is likely to break each row without it."""
+        return -self.lower_bounds < _LIKELY_SHARE * np.abs(self.slopes).sum(axis=1)
+
     def selected(self, which: Any) -> "ProductRows":
         """Return the selected rows."""
         return ProductRows(
@@ -125,7 +141,17 @@ class ProductRows:
 
 @dataclass(frozen=True)
 class PenaltyQp:
-    """Penalty QP of the module's docstring; c, q, lower and upper have shape (n,)."""
+    """Penalty QP of the module's docstring; c, q, lower and upper have shape (n,).
+
+    Attributes:
+        c: Linear cost.
+        q: Diagonal of the quadratic cost.
+        lower: Lower bounds.
+        upper: Upper bounds.
+        rows: Rows that always take part.
+        products: More rows, few of which bind.
+        loads: More rows, few of which bind.
+    """
 
     c: Float64[np.ndarray, " n"]
     q: Float64[np.ndarray, " n"]
@@ -133,41 +159,61 @@ class PenaltyQp:
     upper: Float64[np.ndarray, " n"]
     rows: tuple[PenaltyRows, ...]
     products: ProductRows | None = None
+    loads: tuple[PenaltyRows, ...] = ()
 
     def cost(self, x: Float64[np.ndarray, " n"]) -> float:
         """Return the objective at x."""
         smooth_cost = float(self.c @ x + self.q @ (x * x) / 2)
         return smooth_cost + sum(rows.penalty_at(x) for rows in self._expanded_rows)
 
-    def solve_by_active_products(self) -> Array:
-        """Return the minimizer, shape (n,), by programs of those product rows that are broken.
+    def solve_by_active_rows(self) -> Array:
+        """Return the minimizer, shape (n,), by programs of those rows of few that are broken.
 
         A row that the minimizer without it does not break costs nothing there: without all such
         rows the minimizer is the same. The box is to be that of -1 to 1, in which a row is likely
         to be broken if a share of the largest change of a_k . x would break it.
         """
-        products = self.products
-        if products is None:
-            return self.solve()
-        largest_changes = np.abs(products.slopes).sum(axis=1)
-        takes_part = -products.lower_bounds < _LIKELY_SHARE * largest_changes
+        takes_part = [rows.are_likely for rows in self._rows_of_few]
         while True:
-            x = replace(self, products=products.selected(takes_part)).solve()
-            broken = ~takes_part & (products.expanded.violations(x) > 0)
-            if not broken.any():
+            x = self._with(takes_part).solve()
+            are_broken = [
+                ~takes & (rows.violations(x) > 0)
+                for takes, rows in zip(takes_part, self._rows_of_few, strict=True)
+            ]
+            if not any(broken.any() for broken in are_broken):
                 return x
-            takes_part |= broken
+            pairs = zip(takes_part, are_broken, strict=True)
+            takes_part = [takes | broken for takes, broken in pairs]
+
+    @property
+    def _rows_of_few(self) -> tuple[PenaltyRows | ProductRows, ...]:
+        return self.loads if self.products is None else (*self.loads, self.products)
+
+    def _with(self, takes_part: Sequence[Bool[np.ndarray, " m"]]) -> "PenaltyQp":
+        """Return the program without the rows of few that do not take part."""
+        loads = zip(self.loads, takes_part, strict=False)
+        products = self.products
+        return replace(
+            self,
+            loads=tuple(rows.selected(takes) for rows, takes in loads),
+            products=None if products is None else products.selected(takes_part[-1]),
+        )
 
     @property
     def _expanded_rows(self) -> tuple[PenaltyRows, ...]:
-        return self.rows if self.products is None else (*self.rows, self.products.expanded)
+        rows = self._all_rows
+        return rows if self.products is None else (*rows, self.products.expanded)
+
+    @property
+    def _all_rows(self) -> tuple[PenaltyRows, ...]:
+        return (*self.rows, *self.loads)
 
     def solve(self, *, use_kernel: bool = True) -> Array:
         """Return the minimizer, shape (n,)."""
         module: Any = native() if use_kernel else None
         if module is None:
             return self._solve_with_clarabel()
-        of_products, penalized = _NO_PRODUCTS, list[PenaltyRows | ProductRows](self.rows)
+        of_products, penalized = _NO_PRODUCTS, list[PenaltyRows | ProductRows](self._all_rows)
         if self.products is not None:
             products = self.products
             columns = np.ascontiguousarray(products.columns, dtype=np.int64)
@@ -175,7 +221,7 @@ class PenaltyQp:
             penalized.append(products)
         x, _, _ = module.solve_penalty_qp(
             (self.c, self.q, self.lower, self.upper),
-            compressed(self.rows),
+            compressed(self._all_rows),
             of_products,
             *bounds_of(penalized),
             TOLERANCE,

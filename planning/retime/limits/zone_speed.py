@@ -147,6 +147,8 @@ def _visits(zone: SpeedZone, curve: JointSpline, padding: float) -> _Visits:
         is_done = (np.abs(polynomials) <= half).all(axis=(1, 2)) | (depth == _NUM_BISECTIONS)
         done, is_open = ~is_outside & is_done, ~is_outside & ~is_done
         found.append((pieces[done], low[done], high[done]))
+        if not is_open.any():
+            break
         polynomials, pieces = halved(polynomials[is_open]), np.repeat(pieces[is_open], 2)
         middle = (low[is_open] + high[is_open]) / 2
         low = np.stack([low[is_open], middle], axis=1).ravel()

@@ -92,7 +92,10 @@ class BoxConstraint:
 
         Where the nearest face changes, of one of them.
         """
-        local = self.origins_in_box(qs)
+        return self.gradients_at(self.origins_in_box(qs))
+
+    def gradients_at(self, local: Float64[np.ndarray, "m 3"]) -> Float64[np.ndarray, "m 3"]:
+        """Return `margin_gradients` for origins in the box frame B."""
         excess = np.abs(local) - self.half
         outside = np.maximum(excess, 0.0)
         lengths = np.linalg.norm(outside, axis=1, keepdims=True)
@@ -102,7 +105,11 @@ class BoxConstraint:
 
     def signed_margins(self, qs: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, " m"]:
         """Return the signed margin of each row: distance from the faces, positive if kept [m]."""
-        excess = np.abs(self.origins_in_box(qs)) - self.half
+        return self.margins_at(self.origins_in_box(qs))
+
+    def margins_at(self, local: Float64[np.ndarray, "m 3"]) -> Float64[np.ndarray, " m"]:
+        """Return `signed_margins` for origins in the box frame B [m]."""
+        excess = np.abs(local) - self.half
         worst = excess.max(axis=1)
         if self.is_inside:
             return -worst

@@ -8,7 +8,6 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.framework import Context
 
-from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
 from planning.kernel.native import native
 from planning.world.drake_model import DrakeModel
@@ -57,30 +56,37 @@ def kernel_dynamics(
 
 def _inertias(model: DrakeModel, tree: LinkTree, context: Any) -> Float64[np.ndarray, "n 13"]:
     """Return mass, centre of mass and rotational inertia about it of every link."""
+    bodies = [(index, *placed) for index, placed in tree.bodies.items() if placed[0] != WORLD]
+    links = np.array([link for _, link, _ in bodies], dtype=np.int64)
+    mass, center, inertia = _in_links(model, bodies, context)
     masses = np.zeros(len(tree.links))
     moments = np.zeros((len(tree.links), 3))
     about_origin = np.zeros((len(tree.links), 3, 3))
-    for index, (link, x_lb) in tree.bodies.items():
-        if link == WORLD:
-            continue
-        body: Any = model.plant.get_body(BodyIndex(index))
-        mass, center, inertia = _in_link(body, context, x_lb)
-        masses[link] += mass
-        moments[link] += mass * center
-        about_origin[link] += inertia
+    np.add.at(masses, links, mass)
+    np.add.at(moments, links, mass[:, None] * center)
+    np.add.at(about_origin, links, inertia)
     centers = np.divide(moments, masses[:, None], where=masses[:, None] > 0, out=moments * 0)
     about_center = about_origin - masses[:, None, None] * _point_inertia(centers)
     return np.concatenate([masses[:, None], centers, about_center.reshape(-1, 9)], axis=1)
 
 
-def _in_link(body: Any, context: Any, x_lb: RigidTransform) -> tuple[float, Array, Array]:
-    """Return a body's mass, its centre in the link, and its inertia about the link's origin."""
-    inertia = body.CalcSpatialInertiaInBodyFrame(context)
-    mass, p_bc = float(inertia.get_mass()), np.array(inertia.get_com())
-    about_body = np.array(inertia.CalcRotationalInertia().CopyToFullMatrix3())
-    about_center = about_body - mass * _point_inertia(p_bc)
-    r_lb, center = x_lb.rotation().matrix(), x_lb.multiply(p_bc)
-    return mass, center, r_lb @ about_center @ r_lb.T + mass * _point_inertia(center)
+def _in_links(
+    model: DrakeModel, bodies: list[tuple[int, int, RigidTransform]], context: Any
+) -> tuple[Float64[np.ndarray, " k"], Float64[np.ndarray, "k 3"], Float64[np.ndarray, "k 3 3"]]:
+    """Return bodies' masses, their centres in the links, and inertias about the links' origins."""
+    mass, p_bc = np.zeros(len(bodies)), np.zeros((len(bodies), 3))
+    about_body, x_lb = np.zeros((len(bodies), 3, 3)), np.zeros((len(bodies), 3, 4))
+    for k, (index, _, pose) in enumerate(bodies):
+        body: Any = model.plant.get_body(BodyIndex(index))
+        inertia = body.CalcSpatialInertiaInBodyFrame(context)
+        mass[k], p_bc[k] = inertia.get_mass(), inertia.get_com()
+        about_body[k] = inertia.CalcRotationalInertia().CopyToFullMatrix3()
+        x_lb[k] = pose.GetAsMatrix34()
+    r_lb, scale = x_lb[:, :, :3], mass[:, None, None]
+    center = np.einsum("kij,kj->ki", r_lb, p_bc) + x_lb[:, :, 3]
+    about_center = about_body - scale * _point_inertia(p_bc)
+    turned = np.einsum("kia,kab,kjb->kij", r_lb, about_center, r_lb)
+    return mass, center, turned + scale * _point_inertia(center)
 
 
 def _point_inertia(at: Float64[np.ndarray, "*n 3"]) -> Float64[np.ndarray, "*n 3 3"]:

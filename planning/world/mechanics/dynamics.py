@@ -86,9 +86,8 @@ class GroupDynamics:
         q: Float64[np.ndarray, "m nq"],
         v: Float64[np.ndarray, "m nv"],
         vdot: Float64[np.ndarray, "m nv"],
-        step: float,
     ) -> Float64[np.ndarray, "3 m nv nq"] | None:
-        """Return difference quotients of the efforts without damping by q, v and vdot.
+        """Return the derivatives of the efforts without damping by q, v and vdot.
 
         None where Drake computes, or a joint floats.
 
@@ -96,11 +95,10 @@ class GroupDynamics:
             q: Positions [rad or m].
             v: Drake's velocities [rad/s or m/s].
             vdot: Drake's accelerations [rad/s^2 or m/s^2].
-            step: Step of the quotients, relative to 1 + |x|.
         """
         if self._native is None or q.shape[1] != v.shape[1]:
             return None
-        found: Array = self._native.derivatives(*map(np.ascontiguousarray, (q, v, vdot)), step)
+        found: Array = self._native.derivatives(*map(np.ascontiguousarray, (q, v, vdot)))
         return found
 
     def _undamped(self, q: Array, v: Array, vdot: Array) -> Array:

@@ -50,6 +50,29 @@ def lengths(evaluation: LoadEvaluation, path_velocity: np.ndarray) -> np.ndarray
 @EACH
 @SOME
 @given(seed=SEEDS)
+def test_the_load_along_a_curve_is_that_of_its_motions(name, kind, seed):
+    rng = np.random.default_rng(seed)
+    bounds = bounds_under(name, limits_of(name, kind))
+    path_velocity, evaluation = path_velocity_along(curve_points(name, rng), bounds)
+    (load,), (along,) = evaluation.loads, evaluation.along
+    states = evaluation.states_by_num_parts[load.num_parts]
+    samples = CurveSamples.of(
+        evaluation.num_control_points,
+        states,
+        path_velocity * rng.uniform(0.5, 1.5, len(path_velocity)),
+        load.num_parts,
+    )
+    found = along.ratios(samples.grid_indices, samples.b, samples.u)
+    expected = load.load_ratios(*samples.motion)
+    # Accelerations of frames are difference quotients.
+    atol = 1e-5 if kind not in {"torque", "zone"} else 1e-9
+    np.testing.assert_allclose(found, expected, rtol=0, atol=atol * (1 + np.abs(expected).max()))
+    np.testing.assert_allclose(along.static_load, load.static_load(states[0]), rtol=0, atol=1e-12)
+
+
+@EACH
+@SOME
+@given(seed=SEEDS)
 def test_slopes_are_those_of_the_vectors(name, kind, seed):
     rng = np.random.default_rng(seed)
     (load,) = bounds_under(name, limits_of(name, kind)).loads
@@ -204,7 +227,7 @@ def test_excessive_static_loads_cost_and_are_linearized(seed):
             LoadEvaluation.of(points - h * moved, (weak,)).states_by_num_parts[1][0][at]
         )
     ) / (2 * h)
-    owners = np.minimum(at // 4, len(points) - 4)[:, None] + np.arange(4)
+    owners = linearization.samples.control_points
     predicted = np.einsum("mrkj,mkj->mr", linearization.by_control_point, moved[owners])
     np.testing.assert_allclose(predicted, change, atol=1e-4 * (1 + np.abs(change).max()))
     assert not linearization.by_path_velocity.any()

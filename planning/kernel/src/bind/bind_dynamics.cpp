@@ -51,21 +51,19 @@ auto efforts(const InverseDynamics& dynamics, const Doubles& q, const Doubles& v
   return array_of(found, positions.rows, nv);
 }
 
-auto derivatives(const InverseDynamics& dynamics, const Doubles& q, const Doubles& v, const Doubles& vdot,
-                 double step) {
+auto derivatives(const InverseDynamics& dynamics, const Doubles& q, const Doubles& v, const Doubles& vdot) {
   const std::size_t nv = dynamics.num_velocities();
   if (dynamics.num_positions() != nv) refuse("a joint floats: efforts have no derivatives by its coordinates");
   const Table positions = table(q, nv, "q");
   const std::size_t count = positions.rows;
   const Table rates = table(v, count, nv, "v"), changes = table(vdot, count, nv, "vdot");
   finite(positions.all(), "q"), finite(rates.all(), "v"), finite(changes.all(), "vdot");
-  positive(step, "step");
   std::vector<double> found(3 * count * nv * nv), one(3 * nv * nv);
   {
     nb::gil_scoped_release released;
     InverseDynamics::Work work = dynamics.work();
     for (std::size_t i = 0; i < count; ++i) {
-      dynamics.derivatives(positions.row(i), rates.row(i), changes.row(i), step, one.data(), work);
+      dynamics.derivatives(positions.row(i), rates.row(i), changes.row(i), one.data(), work);
       for (std::size_t part = 0; part < 3; ++part)
         std::copy_n(&one[part * nv * nv], nv * nv, &found[(part * count + i) * nv * nv]);
     }
@@ -81,8 +79,8 @@ void bind_dynamics(nb::module_& m) {
            nb::arg("inertias"), nb::arg("rotors"), nb::arg("gravity"))
       .def("efforts", &efforts, nb::arg("q"), nb::arg("v"), nb::arg("vdot"),
            "The group's efforts at each row of q, v and vdot.")
-      .def("derivatives", &derivatives, nb::arg("q"), nb::arg("v"), nb::arg("vdot"), nb::arg("step"),
-           "Their difference quotients by q, v and vdot.");
+      .def("derivatives", &derivatives, nb::arg("q"), nb::arg("v"), nb::arg("vdot"),
+           "Their derivatives by q, v and vdot.");
 }
 
 }  // namespace wayproof

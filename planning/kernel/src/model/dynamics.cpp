@@ -44,7 +44,11 @@ InverseDynamics::Work InverseDynamics::work() const {
             std::vector<double>(nv),
             std::vector<Transform>(count),
             std::vector<Mat3>(count),
-            std::vector<State>(count, world_)};
+            std::vector<State>(count, world_),
+            {},
+            {},
+            std::vector<int>(count, -1),
+            {}};
   tree_.place(work.q.data(), work.X_WL.data());
   return work;
 }
@@ -52,24 +56,6 @@ InverseDynamics::Work InverseDynamics::work() const {
 void InverseDynamics::efforts(const double* q, const double* v, const double* vdot, double* tau, Work& work) const {
   place(q, work);
   efforts_here(v, vdot, tau, work);
-}
-
-void InverseDynamics::derivatives(const double* q, const double* v, const double* vdot, double step, double* found,
-                                  Work& work) const {
-  const std::size_t nv = num_velocities();
-  std::vector<double> state[3] = {{q, q + nv}, {v, v + nv}, {vdot, vdot + nv}}, here(nv), there(nv);
-  efforts(q, v, vdot, here.data(), work);
-  // The rates first: the pose is as it was.
-  for (std::size_t part : {1, 2, 0})
-    for (std::size_t j = 0; j < nv; ++j) {
-      double& x = state[part][j];
-      const double before = x;
-      x += step * (1 + std::abs(x));
-      if (part == 0) place(state[0].data(), work);
-      efforts_here(state[1].data(), state[2].data(), there.data(), work);
-      for (std::size_t i = 0; i < nv; ++i) found[(part * nv + i) * nv + j] = (there[i] - here[i]) / (x - before);
-      x = before;
-    }
 }
 
 void InverseDynamics::place(const double* q, Work& work) const {

@@ -30,12 +30,38 @@ class InverseDynamics {
     Vec3 force, moment;
   };
 
+  // Turning rate, and velocity of what is at the world's origin; also a moment about it and a force.
+  struct Twist {
+    Vec3 turn, shift;
+  };
+
+  // One coordinate of a joint that moves.
+  struct Coordinate {
+    int velocity, parent;        // index in the full v; the coordinate before it, -1: none
+    Twist axis;                  // motion per rate
+    Twist carried, accelerated;  // rates of the axis by what carries the joint: v x S, a x S + v x (v x S)
+    Twist v, a;                  // of what it moves
+  };
+
+  // What a coordinate moves: masses, momenta and the wrench that accelerates it.
+  struct Composite {
+    double mass = 0;
+    Vec3 moment;         // mass times centre
+    Mat3 inertia, curl;  // about the world's origin; see dynamics_derivatives.cpp
+    Vec3 linear;         // momentum
+    Twist wrench;
+  };
+
   // What one thread computes in.
   struct Work {
     std::vector<double> q, v, vdot, tau;
     std::vector<Transform> X_WL;
     std::vector<Mat3> R_WF;  // of each joint's fixed frame
     std::vector<State> states;
+    std::vector<Coordinate> coordinates;
+    std::vector<Composite> composites;  // of each coordinate
+    std::vector<int> last_coordinate;   // of each link's joint, or of those before it
+    std::vector<double> slopes;
   };
 
   Work work() const;
@@ -44,8 +70,8 @@ class InverseDynamics {
   // their coupling. All other joints rest.
   void efforts(const double* q, const double* v, const double* vdot, double* tau, Work& work) const;
 
-  // Difference quotients of tau by q, v and vdot, [3][nv][nv], with steps `step` (1 + |x|); not for joints that float.
-  void derivatives(const double* q, const double* v, const double* vdot, double step, double* found, Work& work) const;
+  // Derivatives of tau by q, v and vdot, [3][nv][nv]; not for joints that float.
+  void derivatives(const double* q, const double* v, const double* vdot, double* found, Work& work) const;
 
  private:
   void place(const double* q, Work& work) const;
@@ -54,6 +80,8 @@ class InverseDynamics {
   void move(std::size_t i, Work& work) const;
   void load(std::size_t i, Work& work) const;
   void collect(std::size_t i, Work& work) const;
+  void add_coordinates(std::size_t i, Work& work) const;
+  void gather(std::vector<double>& by, double* found) const;
 
   Tree tree_;
   Group group_;

@@ -3,21 +3,18 @@
 #include <algorithm>
 #include <numeric>
 
+#include "math/lanes.hpp"
 #include "math/multiversion.hpp"
 
 namespace wayproof {
 namespace {
 
-// Sums run in this many lanes, in the same order for every instruction set.
-constexpr std::size_t lanes = 8;
-
 WAYPROOF_MULTIVERSION
 void rows_times(const double* values, std::size_t rows, std::size_t stride, const double* x, double* y) {
   for (std::size_t r = 0; r < rows; ++r) {
-    double sums[lanes] = {};
-    for (std::size_t j = 0; j < stride; j += lanes)
-      for (std::size_t l = 0; l < lanes; ++l) sums[l] += values[r * stride + j + l] * x[j + l];
-    y[r] = ((sums[0] + sums[4]) + (sums[2] + sums[6])) + ((sums[1] + sums[5]) + (sums[3] + sums[7]));
+    Lanes sums = {};
+    for (std::size_t j = 0; j < stride; j += num_lanes) sums += load(values + r * stride + j) * load(x + j);
+    y[r] = sum_of(sums);
   }
 }
 
@@ -26,24 +23,39 @@ void add_rows(const double* values, std::size_t rows, std::size_t stride, const 
               double* sum) {
   for (std::size_t r = 0; r < rows; ++r) {
     const double factor = scale * weight[r];
-    for (std::size_t j = 0; j < stride; ++j) sum[j] += factor * values[r * stride + j];
+    for (std::size_t j = 0; j < stride; j += num_lanes) add_to(sum + j, factor * load(values + r * stride + j));
   }
 }
 
-// square = sum_r weight_r v_r v_r', where it is not above the diagonal. `lanes` entries at once stay in registers
-// through all rows.
-WAYPROOF_MULTIVERSION
-void row_squares(const double* values, std::size_t rows, std::size_t width, std::size_t stride, const double* weight,
-                 double* scaled, double* square) {
-  for (std::size_t r = 0; r < rows; ++r)
-    for (std::size_t j = 0; j < stride; ++j) scaled[r * stride + j] = weight[r] * values[r * stride + j];
-  for (std::size_t i = 0; i < width; ++i)
-    for (std::size_t j = 0; j <= i; j += lanes) {
-      double sums[lanes] = {};
-      for (std::size_t r = 0; r < rows; ++r)
-        for (std::size_t l = 0; l < lanes; ++l) sums[l] += scaled[r * stride + i] * values[r * stride + j + l];
-      for (std::size_t l = 0; l < lanes; ++l) square[i * stride + j + l] = sums[l];
+// Adds the products of `count` entries of rows from `scaled` on with `chunks` times eight of `values`, summed over
+// rows.
+template <std::size_t count, std::size_t chunks>
+[[gnu::always_inline]] inline void add_products(const double* scaled, const double* values, std::size_t rows,
+                                                std::size_t stride, double* square) {
+  Lanes sums[count][chunks] = {};
+  for (std::size_t r = 0; r < rows; ++r, scaled += stride, values += stride)
+    for (std::size_t c = 0; c < chunks; ++c) {
+      const Lanes v = load(values + c * num_lanes);
+      for (std::size_t i = 0; i < count; ++i) sums[i][c] += scaled[i] * v;
     }
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t c = 0; c < chunks; ++c) store(square + i * stride + c * num_lanes, sums[i][c]);
+}
+
+// square = sum_r weight_r v_r v_r', where it is not above the diagonal. Four rows of it at once stay in registers
+// through all rows of the block.
+WAYPROOF_MULTIVERSION
+void row_squares(const double* values, std::size_t rows, std::size_t stride, const double* weight, double* scaled,
+                 double* square) {
+  for (std::size_t r = 0; r < rows; ++r)
+    for (std::size_t j = 0; j < stride; j += num_lanes)
+      store(scaled + r * stride + j, weight[r] * load(values + r * stride + j));
+  for (std::size_t i = 0; i < stride; i += 4) {
+    std::size_t j = 0;
+    for (; j + num_lanes <= i; j += 2 * num_lanes)
+      add_products<4, 2>(scaled + i, values + j, rows, stride, square + i * stride + j);
+    if (j <= i) add_products<4, 1>(scaled + i, values + j, rows, stride, square + i * stride + j);
+  }
 }
 
 }  // namespace
@@ -51,7 +63,7 @@ void row_squares(const double* values, std::size_t rows, std::size_t width, std:
 DenseBlock::DenseBlock(const std::int64_t* columns, const double* values, std::size_t rows, std::size_t width)
     : rows_(rows),
       width_(width),
-      stride_((width + lanes - 1) / lanes * lanes),
+      stride_((width + num_lanes - 1) / num_lanes * num_lanes),
       columns_(width),
       values_(rows * stride_),
       local_(stride_),
@@ -81,7 +93,7 @@ void DenseBlock::add_transposed(const double* y, double scale, double* x) {
 }
 
 void DenseBlock::add_squares(const double* weight, Skyline& matrix) {
-  row_squares(values_.data(), rows_, width_, stride_, weight, scaled_.data(), square_.data());
+  row_squares(values_.data(), rows_, stride_, weight, scaled_.data(), square_.data());
   for (std::size_t i = 0; i < width_; ++i)
     for (const Run& run : runs_) {
       if (run.begin > i) break;

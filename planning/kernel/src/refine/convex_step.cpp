@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "refine/active_distances.hpp"
+#include "refine/active_rows.hpp"
 
 namespace wayproof {
 namespace {
@@ -165,13 +166,15 @@ void add_distances(const CurveColumns& columns, const StepBox& box, const Distan
   }
 }
 
-void add_more(const MoreRows& more, PenaltyQp& program) {
-  const auto begin = static_cast<std::int64_t>(program.columns.size());
-  program.columns.insert(program.columns.end(), more.columns.begin(), more.columns.end());
-  program.values.insert(program.values.end(), more.values.begin(), more.values.end());
-  for (std::size_t k = 1; k < more.starts.size(); ++k) program.starts.push_back(begin + more.starts[k]);
-  program.least.insert(program.least.end(), more.least.begin(), more.least.end());
-  program.price.insert(program.price.end(), more.price.begin(), more.price.end());
+// Rows of one interval follow each other, whatever they are of: rows with the same columns are one block.
+void add_more(const MoreRows& more, const std::vector<std::size_t>& order, PenaltyQp& program) {
+  for (std::size_t k : order) {
+    const auto begin = more.starts[k], end = more.starts[k + 1];
+    program.columns.insert(program.columns.end(), more.columns.begin() + begin, more.columns.begin() + end);
+    program.values.insert(program.values.end(), more.values.begin() + begin, more.values.begin() + end);
+    program.starts.push_back(static_cast<std::int64_t>(program.columns.size()));
+    program.least.push_back(more.least[k]), program.price.push_back(more.price[k]);
+  }
 }
 
 }  // namespace
@@ -179,16 +182,16 @@ void add_more(const MoreRows& more, PenaltyQp& program) {
 PenaltyQp program_of(const CurveGrid& grid, const RateBounds& bounds, const CurveColumns& columns,
                      const ModelWeights& weights, const StepBox& box, const std::vector<double>& points,
                      const std::vector<double>& b, const MoreRows& more, const DistanceMargins& margins,
-                     const std::vector<char>& takes_part) {
+                     const TakesPart& takes_part) {
   PenaltyQp program;
   program.num_variables = columns.num_variables;
   program.starts.push_back(0);
   set_cost_and_box(grid, columns, weights, box, points, b, program);
   Around around{grid, bounds, columns, weights, box, b, rates_of(grid, bounds, points), program};
-  add_more(more, program);
+  add_more(more, in_blocks(more, takes_part.more), program);
   for (std::size_t i = 0; i < grid.intervals(); ++i)
     for (std::size_t j = 0; j < bounds.coordinates(); j += num_lanes) around.add_rows(i, j);
-  add_distances(columns, box, margins, takes_part, program);
+  add_distances(columns, box, margins, takes_part.distances, program);
   return program;
 }
 
@@ -197,13 +200,16 @@ ConvexStep convex_step(const CurveGrid& grid, const RateBounds& bounds, const Cu
                        const std::vector<double>& b, const MoreRows& more, const DistanceMargins& margins,
                        double tolerance, int max_steps) {
   const std::size_t nq = bounds.coordinates();
-  std::vector<char> takes_part = likely_rows(box, margins);
+  TakesPart takes_part{likely_rows(more), likely_rows(box, margins)};
   PenaltyQp program;
   PenaltySolution found;
-  do {
+  bool is_broken = true;
+  while (is_broken) {
     program = program_of(grid, bounds, columns, weights, box, points, b, more, margins, takes_part);
     found = solve(program, tolerance, max_steps);
-  } while (add_broken(columns, box, margins, found.x, takes_part));
+    is_broken = add_broken(columns, box, margins, found.x, takes_part.distances);
+    is_broken |= add_broken(more, found.x, takes_part.more);
+  }
   ConvexStep step{points, 0};
   for (std::size_t i = 1; i + 1 < grid.num_points; ++i)
     for (std::size_t j = 0; j < nq; ++j) {

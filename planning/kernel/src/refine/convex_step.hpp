@@ -48,17 +48,22 @@ struct MoreRows {
   std::vector<double> values, least, price;
 };
 
+// Which rows are in a program: those that are left out are not broken at its minimum, which is that of all rows then.
+struct TakesPart {
+  std::vector<char> more, distances;
+};
+
 struct ConvexStep {
   std::vector<double> points;  // control points of the minimum, [num_points][nq]
   double decrease = 0;         // of the cost, as the model predicts it [s]
 };
 
-// The program around the curve with control points `points` and squared path velocity b; of the margins, those that
+// The program around the curve with control points `points` and squared path velocity b; of the rows, those that
 // take part.
 PenaltyQp program_of(const CurveGrid& grid, const RateBounds& bounds, const CurveColumns& columns,
                      const ModelWeights& weights, const StepBox& box, const std::vector<double>& points,
                      const std::vector<double>& b, const MoreRows& more, const DistanceMargins& margins,
-                     const std::vector<char>& takes_part);
+                     const TakesPart& takes_part);
 
 ConvexStep convex_step(const CurveGrid& grid, const RateBounds& bounds, const CurveColumns& columns,
                        const ModelWeights& weights, const StepBox& box, const std::vector<double>& points,

@@ -12,12 +12,13 @@ namespace {
 constexpr std::size_t four = weights_per_instant;
 // Largest change of a row's sum by a step, in units of its entries: b may grow by half.
 constexpr double most_change = 1.5;
-// Cosines and sines of the angles, 0.2 and 0.5, between the normals of tangent planes and the vector itself.
-constexpr std::array<std::array<double, 2>, 2> tilts{
-    {{0.98006657784124163, 0.19866933079506122}, {0.87758256189037276, 0.47942553860420301}}};
-constexpr std::size_t most_normals = 1 + 4 * tilts.size();
+// Sums below this share of the bound have no row, as rates have none.
+constexpr double least_share = 0.3;
+// Cosine and sine of the angle, 0.4, between the normals of tangent planes and the vector itself.
+constexpr double cosine = 0.9210609940028851, sine = 0.3894183423086505;
+constexpr std::size_t num_normals = 5;
 
-using Normals = std::array<Vec3, most_normals>;
+using Normals = std::array<Vec3, num_normals>;
 
 // Outward normals of planes tangent to the unit ball near a vector's direction. The first is along the vector; those
 // around it keep a step from moving far along the first plane, where it would leave the ball.
@@ -31,9 +32,7 @@ Normals normals_of(const Vec3& vector) {
   const Vec3 second = cross(direction, side);
   Normals normals{direction};
   std::size_t k = 1;
-  for (const auto& [cosine, sine] : tilts)
-    for (const Vec3& tangent : {side, second, -1 * side, -1 * second})
-      normals[k++] = cosine * direction + sine * tangent;
+  for (const Vec3& tangent : {side, second, -1 * side, -1 * second}) normals[k++] = cosine * direction + sine * tangent;
   return normals;
 }
 
@@ -74,9 +73,10 @@ struct LoadRowsOf {
 
   // Adds a row if it can bind: the sum of `row` changes `ratio`, which is to stay below the bound.
   void add(std::size_t m, double ratio, double sign) {
+    const double least = sign * ratio / load.bound - 1;
+    if (!(least > least_share - 1)) return;
     double change = 0;
     for (double x : row) change += std::abs(x);
-    const double least = sign * ratio / load.bound - 1;
     if (!(least > -most_change * change / load.bound)) return;
     const std::size_t nq = at.coordinates, points = static_cast<std::size_t>(at.first_point[m]) * nq;
     const auto interval = static_cast<std::size_t>(at.interval[m]);
@@ -103,6 +103,7 @@ struct LoadRowsOf {
   void ball(std::size_t m, std::size_t ball, bool is_static) {
     const double* value = load.values + (m * load.balls + ball) * load.dims;
     if (!is_static && is_repeated(m, ball)) return;
+    if (load.dims == 1 && !(std::abs(value[0]) / load.bound - 1 > least_share - 1)) return;
     for (std::size_t d = 0; d < load.dims; ++d) part(m, ball * load.dims + d, &parts[d * width()]);
     if (load.dims == 1) {
       row = parts;
