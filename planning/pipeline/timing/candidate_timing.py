@@ -1,6 +1,5 @@
 """CandidateMotion: a timed motion that is not certified yet; and how curves become candidates."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from planning.domain.curves.curve import JointSpline, TimedTrajectory

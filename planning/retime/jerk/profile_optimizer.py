@@ -51,6 +51,15 @@ _MAX_STEP = 0.3
 _ARMIJO_FACTOR, _MIN_STEP_LENGTH = 0.01, 1e-3
 
 
+def can_optimize(smooth_piece: JointSpline, limits: JointLimits) -> bool:
+    """Return whether a path's profiles can be optimized.
+
+    With floating joints, blocks of several coordinates, or many pieces, they cannot.
+    """
+    is_scalar = smooth_piece.manifold.is_flat and all(len(block) == 1 for block in limits.blocks)
+    return is_scalar and smooth_piece.num_pieces <= _MAX_PIECES
+
+
 def optimize_profile(
     smooth_piece: JointSpline,
     profile: SpeedProfile,
@@ -60,8 +69,6 @@ def optimize_profile(
     use_kernel: bool = True,
 ) -> SpeedProfile:
     """Return a faster profile within the limits, or the given one.
-
-    With floating joints, blocks of several coordinates, or many pieces, it is the given one.
 
     Args:
         smooth_piece: Smooth piece of the path to which the profile belongs.
@@ -74,8 +81,7 @@ def optimize_profile(
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """
-    is_scalar = smooth_piece.manifold.is_flat and all(len(block) == 1 for block in limits.blocks)
-    if not is_scalar or smooth_piece.num_pieces > _MAX_PIECES:
+    if not can_optimize(smooth_piece, limits):
         return profile
     h, parameters = _phases(smooth_piece, profile)
     module: Any = native() if use_kernel else None
