@@ -83,7 +83,7 @@ struct Phase {
   }
 }
 
-// Raises the peaks of all orders to those of a phase; `room` for 8 (3 terms) numbers.
+// Raises the peaks of all orders to those of a phase; `room` for 5 (3 terms) lanes.
 WAYPROOF_MULTIVERSION
 void raise_peaks(const PathRates::Group& group, const Phase& phase, Lanes* room, double* peaks) {
   const std::size_t terms = group.terms, most = 3 * terms;
@@ -106,14 +106,15 @@ void raise_peaks(const PathRates::Group& group, const Phase& phase, Lanes* room,
 
 std::array<double, 3> phase_peaks(const PathRates& path, const SpeedProfile& profile) {
   std::array<double, 3> peaks{};
-  // Of the piece, the motion and one part of each halving.
-  std::vector<Lanes> room((3 + num_halvings) * 3 * path.path().terms);
+  // Of the piece, the motion, its form and one part of each halving.
+  std::vector<double> room((3 + num_halvings) * 3 * path.path().terms * num_lanes);
   for (std::size_t k = 0; k < profile.h.size(); ++k) {
     const std::size_t piece = path.path().locate((profile.s[k] + profile.s[k + 1]) / 2);
     const Phase phase{profile.s[k] - path.path().breaks[piece],
                       {profile.v[k], profile.a[k] / 2, profile.j[k] / 6},
                       profile.h[k]};
-    for (std::size_t g = 0; g < path.groups(); ++g) raise_peaks(path.group(piece, g), phase, room.data(), peaks.data());
+    for (std::size_t g = 0; g < path.groups(); ++g)
+      raise_peaks(path.group(piece, g), phase, reinterpret_cast<Lanes*>(room.data()), peaks.data());
   }
   return peaks;
 }

@@ -62,7 +62,8 @@ double barrier_at(const RateFactors* factors, std::size_t groups, std::span<cons
       product *= p0 * p1 * p2;
       if (++pending < rates_per_logarithm) continue;
       pending = 0;
-      if (!(smallest_of(product) < small_product)) continue;
+      if (!(smallest_of(smaller(product, least)) < small_product)) continue;
+      if (!(smallest_of(least) > 0)) return inf;
       logarithms += logarithms_of(product);
       product = Lanes{} + 1;
     }
