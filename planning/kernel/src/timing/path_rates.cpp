@@ -18,8 +18,7 @@ namespace {
   }
   const Lanes velocity = load(group.inverse_limits[0]), acceleration = load(group.inverse_limits[1]),
               jerk = load(group.inverse_limits[2]);
-  return {first * velocity, first * acceleration, second * acceleration,
-          first * jerk,                 3 * second * jerk,    third * jerk};
+  return {first * velocity, first * acceleration, second * acceleration, first * jerk, 3 * second * jerk, third * jerk};
 }
 
 WAYPROOF_MULTIVERSION
