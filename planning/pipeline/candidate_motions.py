@@ -98,11 +98,7 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
     curves = collision_free_curves(path, retime_options, oracle, constraints, deadline)
     with watch.stage("retime"):
         first_curves = list(curves) if retime_options.limits_jerk else [next(curves)]
-    slower = timing.certainly_slower(first_curves, timed[0]) if timed else []
-    slower_names = {curve.name for curve in slower}
-    compared = [curve for curve in first_curves if curve.name not in slower_names]
-    results = _along_path(timing, compared, unrefined_report, has_other=bool(timed))
-    is_cut = len(results) < len(compared)
+    compared, slower, results, is_cut = _along_path(timing, first_curves, timed, unrefined_report)
     outcomes = {curve.name: found for curve, found in zip(compared, results, strict=False)}
     along_path = list(chain.from_iterable(results))
     before = timing.values(along_path)
@@ -132,22 +128,41 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
 
 
 def _along_path(
-    timing: CandidateTiming, curves: list[PathCurve], report: RefineReport, *, has_other: bool
-) -> list[list[CandidateMotion]]:
-    """Return the candidates of each curve; of the first ones where the time to compare runs out."""
+    timing: CandidateTiming,
+    curves: list[PathCurve],
+    timed: list[CandidateMotion],
+    report: RefineReport,
+) -> tuple[list[PathCurve], list[PathCurve], list[list[CandidateMotion]], bool]:
+    """Time curves one by one, where they may be quicker than what was timed before.
+
+    Returns:
+        The curves to compare, those that are certainly slower, the candidates of the former as far
+        as the time to compare lasts, and whether it ended before.
+    """
+    compared: list[PathCurve] = []
+    slower: list[PathCurve] = []
     results: list[list[CandidateMotion]] = []
+    is_cut = False
+    timed = list(timed)
     for curve in curves:
-        is_compared = has_other or any(results)
+        quickest = min(timed, key=lambda candidate: candidate.trajectory.duration, default=None)
+        if quickest is not None and timing.is_certainly_slower(curve, quickest):
+            slower.append(curve)
+            continue
+        compared.append(curve)
+        if is_cut:
+            continue
         try:
-            results.append(
-                (timing.for_comparison if is_compared else timing).along_path(curve, report)
-            )
+            found = (timing.for_comparison if timed else timing).along_path(curve, report)
         except DeadlineExceeded:
             # The remaining time is for certifying the motion that is timed already.
-            if not is_compared:
+            if not timed:
                 raise
-            break
-    return results
+            is_cut = True
+        else:
+            results.append(found)
+            timed += found
+    return compared, slower, results, is_cut
 
 
 def _with_clearance_penalty(motion: CandidateMotion, objective: ClearanceCost) -> CandidateMotion:

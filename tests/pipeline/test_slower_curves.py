@@ -82,6 +82,28 @@ def test_order_is_that_of_curves_that_are_all_timed(
     assert len(found) > 2
 
 
+def test_unrefined_curves_wait_where_another_is_certainly_quicker(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The path itself, say, with its rests; the order is that of curves that are all timed."""
+    report = RefineReport("none", improved=False)
+    monkeypatch.setattr(candidate_motions, "refine", lambda *_: (None, report))
+    timed: list[JointSpline] = []
+
+    def counted(spline: JointSpline, *rest: Any) -> Any:
+        timed.append(spline)
+        return retime(spline, *rest)
+
+    monkeypatch.setattr(candidate_timing, "retime", counted)
+    found_on(tmp_path, "ruckig", taken=1)
+    num_at_once = len(timed)
+    found = found_on(tmp_path, "ruckig")
+    assert num_at_once < len(timed) - num_at_once
+    monkeypatch.setattr(candidate_timing, "path_duration_bound", lambda *_: 0.0)
+    expected = found_on(tmp_path, "ruckig")
+    assert [(c.name, c.cost) for c in found] == [(c.name, c.cost) for c in expected]
+
+
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("seed", seeds(8, 300))
 @pytest.mark.parametrize("types", GROUPS, ids="-".join)

@@ -1,6 +1,5 @@
 """CandidateMotion: a timed motion that is not certified yet; and how curves become candidates."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from planning.domain.curves.curve import JointSpline, TimedTrajectory
@@ -113,26 +112,18 @@ class CandidateTiming:
             return self._retimed(REFINED_CURVE, spline, report)
         return [CandidateMotion(REFINED_CURVE, spline, kept[0], report, kept[1])]
 
-    def certainly_slower(
-        self, curves: Sequence[PathCurve], motion: CandidateMotion
-    ) -> list[PathCurve]:
-        """Return the curves along the path that cost more than a motion, however they are timed.
+    def is_certainly_slower(self, curve: PathCurve, motion: CandidateMotion) -> bool:
+        """Return whether a curve along the path costs more than a motion, however it is timed.
 
-        None where the cost is not the duration alone, where the motion along the path is reported,
+        Never where the cost is not the duration alone, where the motion along the path is reported,
         and where a duration is requested.
         """
         refine = self.refine
         if refine.reports_objectives or refine.clearance is not None or self.options.duration:
-            return []
+            return False
         with self.watch.stage("retime"):
-            bounds = [
-                path_duration_bound(curve.spline, self._limits, self.options) for curve in curves
-            ]
-        return [
-            curve
-            for curve, bound in zip(curves, bounds, strict=True)
-            if bound > motion.trajectory.duration
-        ]
+            bound = path_duration_bound(curve.spline, self._limits, self.options)
+        return bound > motion.trajectory.duration
 
     def along_path(self, curve: PathCurve, report: RefineReport) -> list[CandidateMotion]:
         """Return the candidate along a curve near the path, or none and store the failure."""

@@ -34,34 +34,38 @@ def path_duration_bound(spline: JointSpline, limits: JointLimits, options: Retim
     """
     scaled = limits.scaled(options.velocity_scale, options.acceleration_scale)
     pieces = smooth_pieces(spline, RETIMERS[options.method].smoothness)
-    bounds = [_piece_bound(piece, scaled, limits_jerk=options.limits_jerk) for piece in pieces]
-    return sum(bounds) * (1 - _TOLERANCE)
+    bounds = _piece_bounds(spline, pieces, scaled, limits_jerk=options.limits_jerk)
+    return float(bounds.sum()) * (1 - _TOLERANCE)
 
 
-def _piece_bound(piece: JointSpline, limits: JointLimits, *, limits_jerk: bool) -> float:
-    """Return a lower bound of the duration of a piece, from rest to rest [s]."""
-    q = piece.positions(np.linspace(piece.breaks[0], piece.breaks[-1], _NUM_STEPS + 1))
+def _piece_bounds(
+    spline: JointSpline, pieces: list[JointSpline], limits: JointLimits, *, limits_jerk: bool
+) -> Float64[np.ndarray, " pieces"]:
+    """Return lower bounds of the durations of smooth pieces, each from rest to rest [s]."""
+    edges = np.array([(piece.breaks[0], piece.breaks[-1]) for piece in pieces])
+    s = np.linspace(edges[:, 0], edges[:, 1], _NUM_STEPS + 1)
+    q = spline.positions(s.ravel()).reshape(*s.shape, -1)
     velocity, acceleration, jerk = (
         np.where(rates > 0, np.minimum(rates, _MAX_RATE), _MAX_RATE)
         for rates in (limits.velocity, limits.acceleration, limits.jerk)
     )
-    steps = _block_distances(piece, limits, q[1:], q[:-1]) / velocity
-    times = np.concatenate([[0.0], np.cumsum(steps.max(axis=1))])
+    steps = (_block_distances(spline, limits, q[1:], q[:-1]) / velocity).max(axis=2)
+    times = np.concatenate([np.zeros((1, len(pieces))), np.cumsum(steps, axis=0)])
     rates = (velocity, acceleration, jerk if limits_jerk else np.full_like(jerk, np.inf))
-    ends = np.concatenate([q[:1], q[-1:]])[:, None]
-    moved = _block_distances(piece, limits, np.stack([q, q]), ends)
-    from_rest, to_rest = durations_from_rest(moved, *rates).max(axis=2)
+    ends = np.stack([q[:1], q[-1:]])
+    moved = _block_distances(spline, limits, np.stack([q, q]), ends)
+    from_rest, to_rest = durations_from_rest(moved, *rates).max(axis=3)
     # The bound to a sample is its own, or that of one before it and the steps from there.
     before = times + np.maximum.accumulate(from_rest - times)
     after = np.maximum.accumulate((to_rest + times)[::-1])[::-1] - times
-    return float((before + after).max())
+    return (before + after).max(axis=0)
 
 
 def _block_distances(
-    piece: JointSpline, limits: JointLimits, to: Array, origin: Array
+    curve: JointSpline, limits: JointLimits, to: Array, origin: Array
 ) -> Float64[np.ndarray, "*n blocks"]:
     """Return how far each block of coordinates is from other configurations [rad or m]."""
-    moved = Manifold.of(piece.joints).minus(to, origin)
+    moved = Manifold.of(curve.joints).minus(to, origin)
     if len(limits.blocks) == moved.shape[-1]:
         return np.abs(moved)
     return np.stack([np.linalg.norm(moved[..., list(b)], axis=-1) for b in limits.blocks], axis=-1)

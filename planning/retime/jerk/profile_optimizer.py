@@ -1,13 +1,15 @@
 """Profile optimizer: faster jerk-limited profiles by an interior-point method.
 
 A profile passes fixed parameters of the path; the durations h_k of its phases are the variables. At
-both ends of every phase the speed v, the acceleration a and the jerk j in the path parameter make
+both ends of every phase and at two points within, the speed v, the acceleration a and the jerk j in
+the path parameter make
 
     q' = r' v,   q'' = r' a + r'' v^2,   q''' = r' j + 3 r'' v a + r''' v^3
 
 (the chain rule), which must stay within their limits. Newton's method with a logarithmic barrier
 minimizes the sum of all h_k (Boyd and Vandenberghe, "Convex optimization", chapter 11; the problem
-is not convex, and the curvature of the limits is left out). Limits are not imposed inside phases:
+is not convex, and the curvature of the limits is left out). The path's derivatives are those where
+a round begins: in the second one the points have hardly moved. Between them limits are not imposed:
 the peaks there are bounded afterwards, and the whole profile is slowed by the excess.
 
 The native kernel does the same, with the accelerations between phases as further variables, which
@@ -37,17 +39,25 @@ _MAX_PIECES = 64
 _NUM_PHASES = 48
 # Shortest phase relative to the others; shorter ones are left out, except at breaks.
 _MIN_PHASE_SHARE = 0.4
-_NUM_ROUNDS, _NUM_STEPS = 6, 8
-# Largest utilization of limits at the beginning of a round.
-_INITIAL_UTILIZATION = 0.97
-# The barrier's weight relative to a phase's duration, and its factor per step.
-_BARRIER_WEIGHT, _BARRIER_FACTOR = 0.1, 0.5
+# Points of every phase at which limits are imposed, as shares of its duration.
+_POINTS = np.linspace(0.0, 1.0, 4)
+# Of every round the number of steps, the largest utilization of limits where it begins, and the
+# barrier's weight there, relative to a phase's duration.
+_ROUNDS = (8, 0.97, 0.1), (4, 0.995, 5e-4)
+# The factor of the weight per step.
+_BARRIER_FACTOR = 0.5
 # Largest relative change of a phase's duration in a step, approximately.
 _MAX_STEP = 0.3
 _ARMIJO_FACTOR, _MIN_STEP_LENGTH = 0.01, 1e-3
-# Largest factor by which a limit exceeded within a phase is tightened for the next round, and the
-# smallest utilization at its ends from which the factor is computed.
-_MAX_TIGHTENING, _MIN_UTILIZATION = 2.0, 0.3
+
+
+def can_optimize(smooth_piece: JointSpline, limits: JointLimits) -> bool:
+    """Return whether a path's profiles can be optimized.
+
+    With floating joints, blocks of several coordinates, or many pieces, they cannot.
+    """
+    is_scalar = smooth_piece.manifold.is_flat and all(len(block) == 1 for block in limits.blocks)
+    return is_scalar and smooth_piece.num_pieces <= _MAX_PIECES
 
 
 def optimize_profile(
@@ -60,8 +70,6 @@ def optimize_profile(
 ) -> SpeedProfile:
     """Return a faster profile within the limits, or the given one.
 
-    With floating joints, blocks of several coordinates, or many pieces, it is the given one.
-
     Args:
         smooth_piece: Smooth piece of the path to which the profile belongs.
         profile: Profile from rest to rest.
@@ -73,34 +81,24 @@ def optimize_profile(
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """
-    is_scalar = smooth_piece.manifold.is_flat and all(len(block) == 1 for block in limits.blocks)
-    if not is_scalar or smooth_piece.num_pieces > _MAX_PIECES:
+    if not can_optimize(smooth_piece, limits):
         return profile
     h, parameters = _phases(smooth_piece, profile)
     module: Any = native() if use_kernel else None
     if module is not None:
         deadline.check("retime")
         return _optimized_by_kernel(module, smooth_piece, profile, limits, (h, parameters))
-    best, _ = _scaled_to_limits(smooth_piece, profile, limits)
-    problem = _ProfileProblem.of(smooth_piece, parameters, limits)
-    for _ in range(_NUM_ROUNDS):
-        spline = _optimize_durations(problem, h, deadline)
-        if spline is None:
+    best = _scaled_to_limits(smooth_piece, profile, limits)
+    for round_ in _ROUNDS:
+        spline = TimingSpline.through(h, parameters)
+        if not spline.is_increasing:
             break
-        scaled, peaks = _scaled_to_limits(smooth_piece, spline.profile, limits)
+        problem = _ProfileProblem.of(smooth_piece, spline, parameters, limits)
+        h = _optimize_durations(problem, h, round_, deadline)
+        spline = TimingSpline.through(h, parameters)
+        scaled = _scaled_to_limits(smooth_piece, spline.profile, limits)
         if scaled.duration < best.duration:
             best = scaled
-        h = scaled.h
-        time_scaling = scaled.duration / spline.h.sum()
-        end_utilizations = [
-            np.abs(utilization).max(axis=(0, 2)) for utilization in problem.utilizations(spline)
-        ]
-        max_utilizations = np.stack([
-            use / time_scaling**k for k, use in enumerate(end_utilizations, start=1)
-        ])
-        problem = problem.tightened(
-            np.clip(peaks / np.maximum(max_utilizations, _MIN_UTILIZATION), 1.0, _MAX_TIGHTENING)
-        )
     return best
 
 
@@ -125,72 +123,58 @@ class _ProfileProblem:
 
     Attributes:
         parameters: Path parameters between phases, shape (n + 1,).
-        geometry: r', r'' and r''' at both ends of phases, shape (3, 2, n, nv).
+        geometry: r', r'' and r''' at the points of phases, shape (3, points, n, nv).
         bounds: Limits of velocity, acceleration and jerk, shape (3, nv).
-        tightening: Divisors of the limits on each phase, shape (3, n).
     """
 
     parameters: Array
     geometry: Array
     bounds: Array
-    tightening: Array
 
     @classmethod
     def of(
-        cls, smooth_piece: JointSpline, parameters: Array, limits: JointLimits
+        cls, smooth_piece: JointSpline, spline: TimingSpline, parameters: Array, limits: JointLimits
     ) -> "_ProfileProblem":
-        """Build from a smooth piece, path parameters on it and limits."""
+        """Build from a smooth piece, a spline that passes parameters on it, and limits."""
         pieces, _ = smooth_piece.locate((parameters[:-1] + parameters[1:]) / 2)
         columns = [block[0] for block in limits.blocks]
-        local = [
-            parameters[:-1] - smooth_piece.breaks[pieces],
-            parameters[1:] - smooth_piece.breaks[pieces],
-        ]
+        t = _POINTS[:, None] * spline.h
+        s = spline.s[:-1] + t * (spline.v[:-1] + t * (spline.a[:-1] / 2 + t * spline.j / 6))
         slopes = [derivative(smooth_piece.coefficients, order)[pieces] for order in (1, 2, 3)]
-        geometry = [[evaluate_polynomials(slope, x)[:, columns] for x in local] for slope in slopes]
+        geometry = [
+            [evaluate_polynomials(slope, x)[:, columns] for x in s - smooth_piece.breaks[pieces]]
+            for slope in slopes
+        ]
         bounds = np.stack([getattr(limits, rate) for rate in RATES])
-        return cls(parameters, np.array(geometry), bounds, np.ones((3, len(pieces))))
-
-    def tightened(self, tightening: Array) -> "_ProfileProblem":
-        """Return the same problem with other divisors of the limits."""
-        return _ProfileProblem(self.parameters, self.geometry, self.bounds, tightening)
+        return cls(parameters, np.array(geometry), bounds)
 
     def utilizations(self, spline: TimingSpline) -> list[Array]:
-        """Return rates over limits at both ends of phases, each shape (2, n, nv)."""
+        """Return rates over limits at the points of phases, each shape (points, n, nv)."""
         r1, r2, r3 = self.geometry
-        v, a = (np.stack([x[:-1], x[1:]])[..., None] for x in (spline.v, spline.a))
+        v, a = _states(spline)
         j = spline.j[:, None]
         rates = r1 * v, r1 * a + r2 * v**2, r1 * j + 3 * r2 * v * a + r3 * v**3
         return [rate / bound for rate, bound in zip(rates, self.bounds, strict=True)]
 
-    def tightened_utilizations(self, spline: TimingSpline) -> list[Array]:
-        """Return rates over tightened limits at both ends of phases, each shape (2, n, nv)."""
-        utilizations = self.utilizations(spline)
-        return [
-            utilization * tightening[:, None]
-            for utilization, tightening in zip(utilizations, self.tightening, strict=True)
-        ]
-
     def gradients(self, spline: TimingSpline) -> list[Array]:
-        """Return derivatives of `tightened_utilizations` by v, a and j, each (2, n, nv, 3)."""
+        """Return derivatives of `utilizations` by v, a and j, each shape (points, n, nv, 3)."""
         r1, r2, r3 = self.geometry
-        v, a = (np.stack([x[:-1], x[1:]])[..., None] for x in (spline.v, spline.a))
+        v, a = _states(spline)
         zero = np.zeros_like(r1)
         by_state = (
             (r1, zero, zero),
             (2 * r2 * v, r1, zero),
             (3 * r2 * a + 3 * r3 * v**2, 3 * r2 * v, r1),
         )
-        scales = self.tightening[:, :, None] / self.bounds[:, None, :]
         return [
-            np.stack(rows, axis=-1) * scale[..., None]
-            for rows, scale in zip(by_state, scales, strict=True)
+            np.stack(rows, axis=-1) / bound[:, None]
+            for rows, bound in zip(by_state, self.bounds, strict=True)
         ]
 
     def cost(self, h: Array, weight: float) -> float:
         """Return the duration plus the barrier of all phases, infinite beyond limits."""
         spline = TimingSpline.through(h, self.parameters)
-        utilizations = self.tightened_utilizations(spline)
+        utilizations = self.utilizations(spline)
         if (
             not spline.is_increasing
             or max(float(np.abs(utilization).max()) for utilization in utilizations) >= 1
@@ -199,25 +183,43 @@ class _ProfileProblem:
         return float(h.sum() - weight * sum(np.log1p(-use * use).sum() for use in utilizations))
 
 
+def _states(spline: TimingSpline) -> tuple[Array, Array]:
+    """Return v and a at the points of phases, each shape (points, n, 1)."""
+    t = _POINTS[:, None] * spline.h
+    v = spline.v[:-1] + t * (spline.a[:-1] + t * spline.j / 2)
+    return v[..., None], (spline.a[:-1] + t * spline.j)[..., None]
+
+
+def _state_derivatives(spline: TimingSpline) -> Array:
+    """Return derivatives of v, a, j at the points of phases by log h, (points, n, 3, n)."""
+    begin, end = spline.derivatives()
+    f, h, k = _POINTS[:, None, None], spline.h[:, None], np.arange(len(spline.h))
+    # v(t) = v_0 + h (f - f^2 / 2) a_0 + h f^2 / 2 a_1 where t = f h.
+    by_begin, by_end = h * (f - f**2 / 2), h * f**2 / 2
+    v = begin[:, 0] + by_begin * begin[:, 1] + by_end * end[:, 1]
+    v[:, k, k] += by_begin[..., 0] * spline.a[:-1] + by_end[..., 0] * spline.a[1:]
+    a = begin[:, 1] + f * (end[:, 1] - begin[:, 1])
+    return np.stack([v, a, np.broadcast_to(begin[:, 2], a.shape)], axis=2)
+
+
 def _optimize_durations(
-    problem: _ProfileProblem, h: Array, deadline: Deadline
-) -> TimingSpline | None:
-    """Return a faster timing spline than the one with durations h; None if that one stops."""
+    problem: _ProfileProblem, h: Array, round_: tuple[int, float, float], deadline: Deadline
+) -> Array:
+    """Return durations of a faster timing spline, from those of one that increases."""
+    num_steps, utilization, relative_weight = round_
     initial = TimingSpline.through(h, problem.parameters)
-    if not initial.is_increasing:
-        return None
     max_utilization = max(
-        float(np.abs(utilization).max()) ** (1 / order)
-        for order, utilization in enumerate(problem.tightened_utilizations(initial), start=1)
+        float(np.abs(use).max()) ** (1 / order)
+        for order, use in enumerate(problem.utilizations(initial), start=1)
     )
-    h = h * max_utilization / _INITIAL_UTILIZATION
-    weight = _BARRIER_WEIGHT * h.sum() / len(h)
-    for _ in range(_NUM_STEPS):
+    h = h * max_utilization / utilization
+    weight = relative_weight * h.sum() / len(h)
+    for _ in range(num_steps):
         deadline.check("retime")
         step, slope = _newton_step(problem, h, weight)
         h = _line_search(problem, h, weight, step, slope)
         weight *= _BARRIER_FACTOR
-    return TimingSpline.through(h, problem.parameters)
+    return h
 
 
 def _line_search(
@@ -236,11 +238,11 @@ def _line_search(
 def _newton_step(problem: _ProfileProblem, h: Array, weight: float) -> tuple[Array, float]:
     """Return a Newton step of log h, and the slope of the cost along it."""
     spline = TimingSpline.through(h, problem.parameters)
-    jacobian = spline.derivatives()
-    count = len(h)
-    gradient, hessian = np.zeros((2, count, 3)), np.zeros((2, count, 3, 3))
+    jacobian = _state_derivatives(spline)
+    count, points = len(h), len(_POINTS)
+    gradient, hessian = np.zeros((points, count, 3)), np.zeros((points, count, 3, 3))
     for utilization, by in zip(
-        problem.tightened_utilizations(spline), problem.gradients(spline), strict=True
+        problem.utilizations(spline), problem.gradients(spline), strict=True
     ):
         above, below = 1 / (1 - utilization), 1 / (1 + utilization)
         gradient += np.einsum("enj,enjk->enk", above - below, by)
@@ -277,20 +279,17 @@ def _phases(smooth_piece: JointSpline, profile: SpeedProfile) -> tuple[Array, Ar
 
 def _scaled_to_limits(
     smooth_piece: JointSpline, profile: SpeedProfile, limits: JointLimits
-) -> tuple[SpeedProfile, Array]:
-    """Return the profile scaled to its limits, and its utilization of each on its phases."""
+) -> SpeedProfile:
+    """Return the profile scaled to its limits."""
     motion = compose(smooth_piece, profile)
-    peaks = np.stack([
-        (block_peaks(motion, limits, order) / getattr(limits, rate)).max(axis=1)
+    factor = max(
+        float((block_peaks(motion, limits, order) / getattr(limits, rate)).max()) ** (1 / order)
         for order, rate in enumerate(RATES, start=1)
-    ])
-    orders = np.arange(1, 4)
-    factor = float((peaks.max(axis=1) ** (1 / orders)).max())
-    scaled = SpeedProfile(
+    )
+    return SpeedProfile(
         profile.s,
         profile.v / factor,
         profile.a / factor**2,
         profile.j / factor**3,
         profile.h * factor,
     )
-    return scaled, peaks / factor ** orders[:, None]

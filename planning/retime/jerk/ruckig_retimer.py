@@ -5,7 +5,7 @@ RSS 2021. The path is one degree of freedom, along which ruckig connects consecu
 waypoint mode would call a service in the network and is never used. On a straight line that is
 exact and time-optimal. On a curve, `speed_dp` chooses the parameters at which the acceleration is
 zero, the speeds there, and bounds on sdot, sddot and sdddot that keep the limits in between; from
-the resulting profile, `profile_optimizer` continues.
+the resulting profile, `profile_optimizer` continues. Where it can, a coarse choice does.
 """
 
 import math
@@ -21,16 +21,24 @@ from planning.domain.curves.curve import JointSpline
 from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.domain.robot.joints import JointLimits
 from planning.errors import RetimingFailed
-from planning.retime.block_peaks import block_peaks
+from planning.retime.block_peaks import block_norms, block_peaks
 from planning.retime.cells import cut_at, even_edges, num_parts, with_extra_edges
 from planning.retime.compose import compose
-from planning.retime.jerk.profile_optimizer import optimize_profile
-from planning.retime.jerk.speed_dp import SpeedCells, SpeedSegment, solve_speed_dp
+from planning.retime.jerk.profile_optimizer import can_optimize, optimize_profile
+from planning.retime.jerk.speed_dp import (
+    COARSE,
+    FINE,
+    SpeedCells,
+    SpeedLevels,
+    SpeedSegment,
+    solve_speed_dp,
+)
 from planning.retime.limits.path_limit import PathLimit, PeakLimit, path_limit_utilizations
 from planning.retime.profile import SpeedProfile
 
-# Number of cells of a smooth piece, and smallest number on each of its polynomial pieces.
-_NUM_CELLS = 40
+# Number of cells of a smooth piece, that of one whose profile is optimized, and smallest number on
+# each of its polynomial pieces.
+_NUM_CELLS, _NUM_COARSE_CELLS = 40, 16
 _MIN_CELLS_PER_PIECE = 2
 # Longest cell for limits that change along a line (joint-space length).
 _MAX_CELL_LENGTH = 0.1
@@ -58,13 +66,20 @@ def ruckig_profile(
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """
-    cut, is_straight = _cut_into_cells(smooth_piece)
-    initial = _dp_profile(smooth_piece, _speed_cells(cut, limits), is_straight, deadline)
-    profiles = (
-        [initial]
-        if is_straight.all()
-        else [optimize_profile(smooth_piece, initial, limits, deadline), initial]
-    )
+    is_straight = not smooth_piece.coefficients[:, 2:].any()
+    if not path_limits and is_straight and smooth_piece.num_pieces == 1:
+        return _line_profile(smooth_piece, limits)
+    if not path_limits and not is_straight and can_optimize(smooth_piece, limits):
+        cells = _NUM_COARSE_CELLS, COARSE
+        initial, _ = _dp_profile_of(smooth_piece, limits, cells, deadline)
+        optimized = optimize_profile(smooth_piece, initial, limits, deadline)
+        if not np.array_equal(optimized.s, initial.s):
+            return optimized
+    initial, cut = _dp_profile_of(smooth_piece, limits, (_NUM_CELLS, FINE), deadline)
+    if is_straight:
+        profiles = [initial]
+    else:
+        profiles = [optimize_profile(smooth_piece, initial, limits, deadline), initial]
     if not path_limits:
         return profiles[0]
     limits_and_deadline = path_limits, deadline
@@ -84,7 +99,11 @@ def ruckig_profile(
         speed_cells = _speed_cells(short_cells, limits, peak_limits)
         profiles.append(
             _dp_profile(
-                smooth_piece, speed_cells, np.zeros(short_cells.num_pieces, dtype=bool), deadline
+                smooth_piece,
+                speed_cells,
+                np.zeros(short_cells.num_pieces, dtype=bool),
+                FINE,
+                deadline,
             )
         )
         slowed_durations.append(
@@ -94,28 +113,73 @@ def ruckig_profile(
     return profiles[int(np.argmin(slowed_durations))]
 
 
+def _line_profile(line: JointSpline, limits: JointLimits) -> SpeedProfile:
+    """Return the fastest profile along one straight piece.
+
+    Raises:
+        RetimingFailed: No profile is found.
+    """
+    rates = block_norms(line.coefficients[0, 1], limits)
+    v, a, j = (
+        1 / float((rates / bound).max())
+        for bound in (limits.velocity, limits.acceleration, limits.jerk)
+    )
+    return _profile_of([SpeedSegment(0, 1, (0.0, 0.0), (v, a, j))], line.breaks)
+
+
+def _dp_profile_of(
+    smooth_piece: JointSpline,
+    limits: JointLimits,
+    cells: tuple[int, SpeedLevels],
+    deadline: Deadline,
+) -> tuple[SpeedProfile, JointSpline]:
+    """Return the fastest profile along some cells, and the cells.
+
+    Args:
+        smooth_piece: The path.
+        limits: Limits of velocity, acceleration and jerk.
+        cells: Number of cells, and speeds to choose from.
+        deadline: Time limit.
+
+    Raises:
+        RetimingFailed: No profile is found.
+    """
+    num_cells, levels = cells
+    cut, is_straight = _cut_into_cells(smooth_piece, num_cells)
+    speed_cells = _speed_cells(cut, limits)
+    return _dp_profile(smooth_piece, speed_cells, is_straight, levels, deadline), cut
+
+
 def _dp_profile(
-    smooth_piece: JointSpline, cells: SpeedCells, is_straight: Any, deadline: Deadline
+    smooth_piece: JointSpline,
+    cells: SpeedCells,
+    is_straight: Any,
+    levels: SpeedLevels,
+    deadline: Deadline,
 ) -> SpeedProfile:
     """Return the fastest profile along cells, by dynamic programming and ruckig.
 
     Raises:
         RetimingFailed: No profile is found.
     """
-    if is_straight.all() and smooth_piece.num_pieces == 1:
-        segments = [SpeedSegment(0, len(is_straight), (0.0, 0.0), _straight_bounds(cells, 0))]
-    else:
-        segments = _merge_straight_segments(
-            solve_speed_dp(cells, deadline), cells, is_straight, smooth_piece
-        )
+    segments = _merge_straight_segments(
+        solve_speed_dp(cells, deadline, levels=levels), cells, is_straight, smooth_piece
+    )
     if not segments:
         message = "no velocity profile along the path satisfies the jerk limits"
         raise RetimingFailed(message, {"method": "ruckig", "num_cells": len(is_straight)})
-    parts = [_phases_of(segment, cells.edges) for segment in segments]
-    end = cells.edges[segments[-1].end]
+    return _profile_of(segments, cells.edges).split_at(smooth_piece.breaks[1:-1])
+
+
+def _profile_of(segments: list[SpeedSegment], edges: Array) -> SpeedProfile:
+    """Return the profile of consecutive segments between edges, by ruckig.
+
+    Raises:
+        RetimingFailed: Ruckig finds none.
+    """
+    parts = [_phases_of(segment, edges) for segment in segments]
     s, v, a, j, h = (np.array(column) for column in zip(*chain.from_iterable(parts), strict=True))
-    whole = SpeedProfile(np.append(s, end), v, a, j, h)
-    return whole.split_at(smooth_piece.breaks[1:-1])
+    return SpeedProfile(np.append(s, edges[segments[-1].end]), v, a, j, h)
 
 
 def _required_time_scaling(
@@ -129,10 +193,10 @@ def _required_time_scaling(
     return max([1.0, *(utilization.time_scaling for _, utilization in utilizations)])
 
 
-def _cut_into_cells(smooth_piece: JointSpline) -> tuple[JointSpline, Any]:
+def _cut_into_cells(smooth_piece: JointSpline, num_cells: int) -> tuple[JointSpline, Any]:
     """Return the smooth piece cut into cells, and whether each cell is straight."""
     widths = np.diff(smooth_piece.breaks)
-    counts = np.ceil(_NUM_CELLS * widths / widths.sum()).astype(int)
+    counts = np.ceil(num_cells * widths / widths.sum()).astype(int)
     counts = np.maximum(counts, _MIN_CELLS_PER_PIECE)
     pieces = np.repeat(np.arange(smooth_piece.num_pieces), counts)
     cut = cut_at(smooth_piece, even_edges(smooth_piece.breaks, counts))

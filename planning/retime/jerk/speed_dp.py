@@ -20,9 +20,6 @@ from planning.domain.arrays import Array
 from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.kernel.native import native
 
-# Candidate speeds at every cell boundary, relative to the greatest possible there, and then
-# relative to the chosen ones.
-_COARSE_FACTORS = 0.8 ** np.arange(11.0)
 # Factors for slower candidates, where the path is too short to reach any of these.
 _SLOWDOWN_FACTORS = 0.1 ** np.arange(4.0)
 _FINE_FACTORS = np.geomspace(0.84, 1.19, 9)
@@ -42,6 +39,24 @@ _EQUAL_TIMES = 1e-12
 # segments between almost equal speeds would have phases too short for polynomials in double
 # precision.
 _SPEED_QUANTUM = 1e-3
+
+
+@dataclass(frozen=True)
+class SpeedLevels:
+    """Candidate speeds at every cell boundary.
+
+    Attributes:
+        factors: Speeds relative to the greatest possible there, shape (k,).
+        num_refinements: How often the program is solved again, with speeds near the chosen ones.
+    """
+
+    factors: Array
+    num_refinements: int
+
+
+FINE = SpeedLevels(0.8 ** np.arange(11.0), 2)
+# For a profile that is only where an optimizer begins.
+COARSE = SpeedLevels(0.64 ** np.arange(6.0), 0)
 
 
 @dataclass(frozen=True)
@@ -86,13 +101,18 @@ class SpeedSegment:
 
 
 def solve_speed_dp(
-    cells: SpeedCells, deadline: Deadline = NO_DEADLINE, *, use_kernel: bool = True
+    cells: SpeedCells,
+    deadline: Deadline = NO_DEADLINE,
+    *,
+    levels: SpeedLevels = FINE,
+    use_kernel: bool = True,
 ) -> list[SpeedSegment]:
     """Return the fastest chain of speed segments from rest to rest; empty if there is none.
 
     Args:
         cells: Cells of the path.
         deadline: Time limit.
+        levels: Speeds to choose from.
         use_kernel: Whether to use the native kernel where there is one.
 
     Raises:
@@ -106,11 +126,9 @@ def solve_speed_dp(
     segments: list[SpeedSegment] = []
     for factor in _SLOWDOWN_FACTORS:
         if not segments:
-            speeds = np.asarray(
-                factor * max_speeds[nodes, None] * _COARSE_FACTORS, dtype=np.float64
-            )
+            speeds = np.asarray(factor * max_speeds[nodes, None] * levels.factors, dtype=np.float64)
             segments = _fastest_chain(cells, nodes, speeds, deadline, use_kernel=use_kernel)
-    for _ in range(2):
+    for _ in range(levels.num_refinements):
         if not segments:
             return segments
         nodes = np.array([segment.begin for segment in segments] + [segments[-1].end])

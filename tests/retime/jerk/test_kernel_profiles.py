@@ -1,5 +1,6 @@
 """The native kernel times paths as Python does, or quicker."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 from planning.domain.curves.curve import JointSpline
 from planning.domain.curves.path import JointPath
+from planning.domain.robot.joints import JointType
 from planning.kernel.native import native
 from planning.retime.blend import blend_corners
 from planning.retime.block_peaks import block_peaks
@@ -15,7 +17,7 @@ from planning.retime.jerk.profile_optimizer import optimize_profile
 from planning.retime.jerk.speed_dp import SpeedCells, solve_speed_dp
 from planning.retime.profile import SpeedProfile
 from planning.retime.smooth_pieces import smooth_pieces
-from tests.conftest import limits_of, random_waypoints
+from tests.conftest import group_of, limits_of, random_waypoints
 from tests.retime.splines import SEVEN, slow_profile, smooth_spline
 
 pytestmark = pytest.mark.skipif(native() is None, reason="there is no native kernel")
@@ -40,6 +42,20 @@ def test_optimized_profiles_are_those_of_python(seed: int) -> None:
         np.testing.assert_allclose(
             getattr(ours, name), wanted, rtol=0, atol=1e-6 * np.abs(wanted).max()
         )
+
+
+def test_joints_beyond_eight_count_too() -> None:
+    nine = group_of(*[JointType.REVOLUTE] * 9)
+    path = JointPath(nine, random_waypoints(nine, 3, 4))
+    piece = smooth_pieces(blend_corners(path, 0.1, 2), 2)[0]
+    limits = limits_of(nine, jerk=100.0)
+    slow = replace(limits, jerk=np.append(limits.jerk[:8], 5.0))
+    for bounds in (limits, slow):
+        ours, reference = (
+            optimize_profile(piece, slow_profile(piece), bounds, use_kernel=k).duration
+            for k in (True, False)
+        )
+        assert ours == pytest.approx(reference, rel=1e-6)
 
 
 def test_a_profile_that_is_quicker_already_stays_but_for_its_scale() -> None:

@@ -9,6 +9,7 @@ from planning.domain.curves.path import JointPath
 from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.retime.blend import blend_corners
+from planning.retime.jerk import ruckig_retimer
 from planning.retime.retimer import retime
 from tests.conftest import group_of, limits_of, random_waypoints
 from tests.profiles import num_cases
@@ -109,3 +110,22 @@ def test_the_plan_keeps_the_limits_along_curves_too(seed: int, jerk: float) -> N
     _, report = retime(spline, limits_of(SEVEN, jerk=jerk), RUCKIG)
     assert report.stops == 0
     assert report.slowed <= 1 + 1e-6
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_where_nothing_is_optimized_the_profile_is_that_of_fine_cells(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, limits = smooth_spline(seed)[0], limits_of(SEVEN)
+    monkeypatch.setattr(ruckig_retimer, "optimize_profile", lambda _, profile, *__: profile)
+    found = ruckig_retimer.ruckig_profile(path, limits).duration
+    monkeypatch.setattr(ruckig_retimer, "can_optimize", lambda *_: False)
+    assert found == ruckig_retimer.ruckig_profile(path, limits).duration
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_coarse_beginning_costs_little(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, limits = smooth_spline(seed)[0], limits_of(SEVEN)
+    found = ruckig_retimer.ruckig_profile(path, limits).duration
+    monkeypatch.setattr(ruckig_retimer, "can_optimize", lambda *_: False)
+    assert found < 1.02 * ruckig_retimer.ruckig_profile(path, limits).duration

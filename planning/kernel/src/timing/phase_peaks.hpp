@@ -1,15 +1,14 @@
-// phase_peaks: bounds on the rates of a motion along a path, phase by phase, as block_peaks of planning/retime has
-// them.
+// phase_peaks: bounds on the rates of a motion along a path, as block_peaks of planning/retime has them.
 #pragma once
 
-#include <vector>
+#include <array>
 
-#include "timing/speed_profile.hpp"
+#include "timing/path_rates.hpp"
 
 namespace wayproof {
 
-// Largest rate over limit of every phase, [3][phases]: upper bounds by Bernstein coefficients on quarters of the phase.
-// Every phase lies on one piece of the path.
-std::vector<double> phase_peaks(const PolynomialPath& path, const SpeedProfile& profile, const RateLimits& limits);
+// Largest rate over limit of all phases by order: upper bounds by Bernstein coefficients on quarters of phases. Every
+// phase lies on one piece of the path.
+std::array<double, 3> phase_peaks(const PathRates& path, const SpeedProfile& profile);
 
 }  // namespace wayproof

@@ -3,144 +3,193 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "math/elementary.hpp"
+#include "math/multiversion.hpp"
 
 namespace wayproof {
 namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
-// Products of 1 - u^2 below this are replaced by their logarithm.
-constexpr double small_product = 1e-100;
+// Products of 1 - u^2 below this are replaced by their logarithm. Numbers of doubles are less than 1 by 1e-16 or more,
+// so that no product of as many as follow underflows.
+constexpr double small_product = 1e-150;
+constexpr int rates_per_logarithm = 3;
 
-// The order-th derivative of one joint's polynomial with some terms, `stride` apart.
-double derivative_at(const double* coefficients, std::size_t terms, std::size_t stride, int order, double x) {
+using State = ProfileBarrier::State;
+
+constexpr int num_points = ProfileBarrier::num_points;
+constexpr double fractions[num_points] = {0, 1.0 / 3, 2.0 / 3, 1};
+
+[[gnu::always_inline]] inline void rates_of(const RateFactors& f, const State& x, Lanes (&u)[3]) {
+  u[0] = f.v * x.v;
+  u[1] = f.a * x.a + f.v2 * (x.v * x.v);
+  u[2] = f.j * x.j + f.va * (x.v * x.a) + f.v3 * (x.v * x.v * x.v);
+}
+
+// The largest rate over limit of each order.
+WAYPROOF_MULTIVERSION
+void write_peaks(const RateFactors* factors, std::size_t groups, std::span<const State> states, double* peaks) {
+  Lanes most[3] = {};
+  for (const State& x : states)
+    for (std::size_t g = 0; g < groups; ++g) {
+      Lanes u[3];
+      rates_of(*factors++, x, u);
+      for (int order = 0; order < 3; ++order) most[order] = larger_size(most[order], u[order]);
+    }
+  for (int order = 0; order < 3; ++order) peaks[order] = largest_of(most[order]);
+}
+
+[[gnu::always_inline]] inline double logarithms_of(Lanes product) {
   double sum = 0;
-  for (auto k = static_cast<int>(terms) - 1; k >= order; --k) {
-    double factor = 1;
-    for (int i = 0; i < order; ++i) factor *= k - i;
-    sum = sum * x + factor * coefficients[k * stride];
-  }
+  for (std::size_t i = 0; i < num_lanes; ++i) sum += log_of(product[i]);
   return sum;
+}
+
+// -log(1 - u^2) of all rates u over limits at every state, infinite beyond limits: factors [states][groups].
+WAYPROOF_MULTIVERSION
+double barrier_at(const RateFactors* factors, std::size_t groups, std::span<const State> states) {
+  Lanes product = Lanes{} + 1, least = product;
+  double logarithms = 0;
+  int pending = 0;
+  for (const State& x : states)
+    for (std::size_t g = 0; g < groups; ++g) {
+      Lanes u[3];
+      rates_of(*factors++, x, u);
+      const Lanes p0 = 1 - u[0] * u[0], p1 = 1 - u[1] * u[1], p2 = 1 - u[2] * u[2];
+      least = smaller(least, smaller(p0, smaller(p1, p2)));
+      product *= p0 * p1 * p2;
+      if (++pending < rates_per_logarithm) continue;
+      pending = 0;
+      if (!(smallest_of(smaller(product, least)) < small_product)) continue;
+      if (!(smallest_of(least) > 0)) return inf;
+      logarithms += logarithms_of(product);
+      product = Lanes{} + 1;
+    }
+  return smallest_of(least) > 0 ? -(logarithms + logarithms_of(product)) : inf;
+}
+
+// The slopes and curvatures of -log(1 - u^2), which have one divisor.
+struct Logarithm {
+  Lanes slope, curvature;
+};
+
+[[gnu::always_inline]] inline Logarithm logarithm_of(Lanes u) {
+  const Lanes inverse = 1 / ((1 - u) * (1 + u));
+  return {2 * u * inverse, 2 * (1 + u * u) * inverse * inverse};
+}
+
+WAYPROOF_MULTIVERSION
+void write_models(const RateFactors* factors, std::size_t groups, std::span<const State> states,
+                  ProfileBarrier::StateModel* models) {
+  for (const State& x : states) {
+    Lanes gradient[3] = {}, hessian[6] = {};
+    for (std::size_t g = 0; g < groups; ++g) {
+      const RateFactors& f = *factors++;
+      Lanes u[3];
+      rates_of(f, x, u);
+      const Logarithm of_v = logarithm_of(u[0]), of_a = logarithm_of(u[1]), of_j = logarithm_of(u[2]);
+      // Derivatives of the rates by v, a and j.
+      const Lanes av = f.v2 * (2 * x.v), jv = f.va * x.a + f.v3 * (3 * (x.v * x.v)), ja = f.va * x.v;
+      gradient[0] += of_v.slope * f.v + of_a.slope * av + of_j.slope * jv;
+      gradient[1] += of_a.slope * f.a + of_j.slope * ja;
+      gradient[2] += of_j.slope * f.j;
+      const Lanes bent_av = of_a.curvature * av, bent_jv = of_j.curvature * jv, bent_jj = of_j.curvature * f.j;
+      hessian[0] += of_v.curvature * f.v * f.v + bent_av * av + bent_jv * jv;
+      hessian[1] += bent_av * f.a + bent_jv * ja;
+      hessian[2] += of_a.curvature * f.a * f.a + of_j.curvature * ja * ja;
+      hessian[3] += bent_jj * jv;
+      hessian[4] += bent_jj * ja;
+      hessian[5] += bent_jj * f.j;
+    }
+    const double vv = sum_of(hessian[0]), va = sum_of(hessian[1]), aa = sum_of(hessian[2]), vj = sum_of(hessian[3]),
+                 aj = sum_of(hessian[4]), jj = sum_of(hessian[5]);
+    *models++ = {{sum_of(gradient[0]), sum_of(gradient[1]), sum_of(gradient[2])},
+                 {{vv, va, vj}, {va, aa, aj}, {vj, aj, jj}}};
+  }
 }
 
 }  // namespace
 
-ProfileBarrier::ProfileBarrier(const PolynomialPath& path, const std::vector<double>& parameters,
-                               const RateLimits& limits)
-    : n_(static_cast<int>(parameters.size()) - 1),
-      joints_(path.joints),
-      geometry_(3 * 2 * n_ * joints_),
-      inverse_limits_(limits.size()),
-      matrix_(3 * n_ - 2, TimingSpline::half_band),
+ProfileBarrier::ProfileBarrier(const PathRates& path, const std::vector<double>& parameters)
+    : path_(path),
+      n_(static_cast<int>(parameters.size()) - 1),
+      groups_(path.groups()),
+      factors_(num_points * n_ * groups_),
+      models_(num_points * static_cast<std::size_t>(n_)),
+      states_(num_points * static_cast<std::size_t>(n_)),
+      matrix_(3 * n_ - 2),
       right_(3 * n_ - 2),
       gradient_(3 * n_ - 2) {
-  tightening.assign(3 * static_cast<std::size_t>(n_), 1.0);
-  for (std::size_t i = 0; i < limits.size(); ++i) inverse_limits_[i] = 1 / limits[i];
-  double* out = geometry_.data();
-  for (int order = 1; order <= 3; ++order)
-    for (int end = 0; end < 2; ++end)
-      for (int k = 0; k < n_; ++k) {
-        const std::size_t piece = path.locate((parameters[k] + parameters[k + 1]) / 2);
-        const double x = parameters[k + end] - path.breaks[piece];
-        for (std::size_t i = 0; i < joints_; ++i)
-          *out++ = derivative_at(path.piece(piece) + i, path.terms, joints_, order, x);
-      }
+  for (int k = 0; k < n_; ++k) pieces_.push_back(path.path().locate((parameters[k] + parameters[k + 1]) / 2));
 }
 
-const double* ProfileBarrier::rates(int order, int end, int phase) const {
-  return &geometry_[((static_cast<std::size_t>(order - 1) * 2 + end) * n_ + phase) * joints_];
-}
-
-std::vector<double> ProfileBarrier::utilizations(const TimingSpline& spline) const {
-  std::vector<double> found(3 * static_cast<std::size_t>(n_));
-  const double *velocity = inverse_limits_.data(), *acceleration = velocity + joints_, *jerk = acceleration + joints_;
+void ProfileBarrier::read_states(const TimingSpline& spline) {
   for (int k = 0; k < n_; ++k) {
-    double worst[3] = {0, 0, 0};
-    for (int end = 0; end < 2; ++end) {
-      const double *r1 = rates(1, end, k), *r2 = rates(2, end, k), *r3 = rates(3, end, k);
-      const double v = spline.v()[k + end], a = spline.a()[k + end], j = spline.j()[k];
-      for (std::size_t i = 0; i < joints_; ++i) {
-        worst[0] = std::max(worst[0], std::abs(r1[i] * v * velocity[i]));
-        worst[1] = std::max(worst[1], std::abs((r1[i] * a + r2[i] * v * v) * acceleration[i]));
-        worst[2] = std::max(worst[2], std::abs((r1[i] * j + 3 * r2[i] * v * a + r3[i] * v * v * v) * jerk[i]));
-      }
+    const double h = spline.h()[k], v = spline.v()[k], a = spline.a()[k], j = spline.j()[k];
+    for (int p = 0; p < num_points; ++p) {
+      const double t = fractions[p] * h;
+      states_[num_points * k + p] = {v + t * (a + t * j / 2), a + t * j, j};
     }
-    for (int order = 0; order < 3; ++order) found[static_cast<std::size_t>(order) * n_ + k] = worst[order];
   }
+}
+
+void ProfileBarrier::move_to(const TimingSpline& spline) {
+  RateFactors* out = factors_.data();
+  for (int k = 0; k < n_; ++k) {
+    const double h = spline.h()[k], v = spline.v()[k], a = spline.a()[k], j = spline.j()[k];
+    for (int p = 0; p < num_points; ++p, out += groups_) {
+      const double t = fractions[p] * h;
+      path_.factors(pieces_[k], spline.s()[k] + t * (v + t * (a / 2 + t * j / 6)), out);
+    }
+  }
+}
+
+std::array<double, 3> ProfileBarrier::peaks(const TimingSpline& spline) {
+  read_states(spline);
+  std::array<double, 3> found;
+  write_peaks(factors_.data(), groups_, states_, found.data());
   return found;
 }
 
-double ProfileBarrier::cost(const TimingSpline& spline, double weight) const {
+double ProfileBarrier::barrier(const TimingSpline& spline) {
   if (!spline.is_increasing()) return inf;
-  const double *velocity = inverse_limits_.data(), *acceleration = velocity + joints_, *jerk = acceleration + joints_;
-  double logarithms = 0, product = 1, duration = 0;
-  for (int k = 0; k < n_; ++k) {
-    duration += spline.h()[k];
-    for (int end = 0; end < 2; ++end) {
-      const double *r1 = rates(1, end, k), *r2 = rates(2, end, k), *r3 = rates(3, end, k);
-      const double v = spline.v()[k + end], a = spline.a()[k + end], j = spline.j()[k];
-      const double va = 3 * v * a, v2 = v * v, v3 = v * v * v;
-      const double t1 = tightening[k], t2 = tightening[n_ + k], t3 = tightening[2 * n_ + k];
-      for (std::size_t i = 0; i < joints_; ++i) {
-        const double u1 = t1 * velocity[i] * (r1[i] * v), u2 = t2 * acceleration[i] * (r1[i] * a + r2[i] * v2),
-                     u3 = t3 * jerk[i] * (r1[i] * j + r2[i] * va + r3[i] * v3);
-        const double spare = std::min({1 - u1 * u1, 1 - u2 * u2, 1 - u3 * u3});
-        if (!(spare > 0)) return inf;
-        product *= (1 - u1 * u1) * (1 - u2 * u2) * (1 - u3 * u3);
-        if (product < small_product) logarithms += log_of(product), product = 1;
-      }
-    }
-  }
-  return duration - weight * (logarithms + log_of(product));
-}
-
-ProfileBarrier::StateModel ProfileBarrier::model(const TimingSpline& spline, int phase, int end) const {
-  StateModel found;
-  const double *velocity = inverse_limits_.data(), *acceleration = velocity + joints_, *jerk = acceleration + joints_;
-  const double *r1 = rates(1, end, phase), *r2 = rates(2, end, phase), *r3 = rates(3, end, phase);
-  const double v = spline.v()[phase + end], a = spline.a()[phase + end], j = spline.j()[phase];
-  const double t1 = tightening[phase], t2 = tightening[n_ + phase], t3 = tightening[2 * n_ + phase];
-  // -log(1 - u^2): its slope and its curvature have one divisor. The other slopes of u are zero.
-  const auto add = [&]<std::size_t count>(double u, const double (&by)[count]) {
-    const double inverse = 1 / ((1 - u) * (1 + u)), slope = 2 * u * inverse,
-                 curvature = 2 * (1 + u * u) * inverse * inverse;
-    for (std::size_t p = 0; p < count; ++p) {
-      found.gradient[p] += slope * by[p];
-      for (std::size_t q = 0; q <= p; ++q) found.hessian[p][q] += curvature * by[p] * by[q];
-    }
-  };
-  for (std::size_t i = 0; i < joints_; ++i) {
-    const double w1 = t1 * velocity[i], w2 = t2 * acceleration[i], w3 = t3 * jerk[i];
-    add(w1 * (r1[i] * v), {w1 * r1[i]});
-    add(w2 * (r1[i] * a + r2[i] * v * v), {w2 * 2 * r2[i] * v, w2 * r1[i]});
-    add(w3 * (r1[i] * j + 3 * r2[i] * v * a + r3[i] * v * v * v),
-        {w3 * (3 * r2[i] * a + 3 * r3[i] * v * v), w3 * 3 * r2[i] * v, w3 * r1[i]});
-  }
-  for (int p = 0; p < 3; ++p)
-    for (int q = p + 1; q < 3; ++q) found.hessian[p][q] = found.hessian[q][p];
-  return found;
+  read_states(spline);
+  return barrier_at(factors_.data(), groups_, states_);
 }
 
 void ProfileBarrier::add_phase(const TimingSpline& spline, int phase, double weight) {
   const PhaseSlopes slopes = spline.slopes(phase);
-  for (int end = 0; end < 2; ++end) {
-    const StateModel m = model(spline, phase, end);
+  const double h = spline.h()[phase], a0 = spline.a()[phase], a1 = spline.a()[phase + 1];
+  for (int point = 0; point < num_points; ++point) {
+    const StateModel& m = models_[num_points * phase + point];
+    // v(t) = v_0 + h (f - f^2 / 2) a_0 + h f^2 / 2 a_1 where t = f h.
+    const double f = fractions[point], of_a1 = h * f * f / 2, of_a0 = h * f - of_a1;
+    double by[4][3];
     for (int p = 0; p < slopes.count; ++p) {
-      const double by[3] = {slopes.of[p].v[end], slopes.of[p].a[end], slopes.of[p].j};
+      const StateSlope& x = slopes.of[p];
+      by[p][0] = x.v[0] + of_a0 * x.a[0] + of_a1 * x.a[1];
+      if (x.variable == TimingSpline::duration_variable(phase)) by[p][0] += of_a0 * a0 + of_a1 * a1;
+      by[p][1] = x.a[0] + f * (x.a[1] - x.a[0]);
+      by[p][2] = x.j;
+    }
+    for (int p = 0; p < slopes.count; ++p) {
       double bent[3] = {0, 0, 0};
       for (int x = 0; x < 3; ++x) {
-        gradient_[slopes.of[p].variable] += weight * by[x] * m.gradient[x];
-        for (int y = 0; y < 3; ++y) bent[y] += by[x] * m.hessian[x][y];
+        gradient_[slopes.of[p].variable] += weight * by[p][x] * m.gradient[x];
+        for (int y = 0; y < 3; ++y) bent[y] += by[p][x] * m.hessian[x][y];
       }
       for (int q = 0; q < slopes.count; ++q)
         matrix_.at(slopes.of[p].variable, slopes.of[q].variable) +=
-            weight * (bent[0] * slopes.of[q].v[end] + bent[1] * slopes.of[q].a[end] + bent[2] * slopes.of[q].j);
+            weight * (bent[0] * by[q][0] + bent[1] * by[q][1] + bent[2] * by[q][2]);
     }
   }
 }
 
 bool ProfileBarrier::newton_step(const TimingSpline& spline, double weight, std::vector<double>& step, double& slope) {
+  read_states(spline);
+  write_models(factors_.data(), groups_, states_, models_.data());
   matrix_.clear();
   std::fill(gradient_.begin(), gradient_.end(), 0.0);
   for (int k = 0; k < n_; ++k) {

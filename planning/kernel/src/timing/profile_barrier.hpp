@@ -5,9 +5,10 @@
 // them: the system of a step has few diagonals, where that of the durations alone is full.
 #pragma once
 
+#include <array>
 #include <vector>
 
-#include "timing/speed_profile.hpp"
+#include "timing/path_rates.hpp"
 #include "timing/timing_spline.hpp"
 
 namespace wayproof {
@@ -15,33 +16,41 @@ namespace wayproof {
 class ProfileBarrier {
  public:
   // Along a path whose piece under each phase is known by the middle of the phase.
-  ProfileBarrier(const PolynomialPath& path, const std::vector<double>& parameters, const RateLimits& limits);
+  ProfileBarrier(const PathRates& path, const std::vector<double>& parameters);
 
-  // Divisors of the limits on every phase, [3][phases].
-  std::vector<double> tightening;
-
-  // Largest rate over limit at the ends of phases by order and phase, [3][phases].
-  std::vector<double> utilizations(const TimingSpline& spline) const;
-  // The duration plus the barrier; infinite beyond limits.
-  double cost(const TimingSpline& spline, double weight) const;
+  // Takes the path's derivatives where a spline passes its points.
+  void move_to(const TimingSpline& spline);
+  // Largest rate over limit at all points, by order.
+  std::array<double, 3> peaks(const TimingSpline& spline);
+  // The barrier, which its weight multiplies; infinite beyond limits.
+  double barrier(const TimingSpline& spline);
   // A step of the logarithms of the durations, shape (phases,), and the slope of the cost along it; false if there is
   // none.
   bool newton_step(const TimingSpline& spline, double weight, std::vector<double>& step, double& slope);
 
- private:
-  // Gradient and Hessian of the barrier by (v, a, j) at an end of a phase.
-  struct StateModel {
-    double gradient[3] = {0, 0, 0}, hessian[3][3] = {};
+  // Limits are imposed at so many points of every phase: its ends and those that divide it evenly.
+  static constexpr int num_points = 4;
+
+  struct State {
+    double v, a, j;
   };
-  const double* rates(int order, int end, int phase) const;
-  StateModel model(const TimingSpline& spline, int phase, int end) const;
+  // Gradient and Hessian of the barrier by the state at a point.
+  struct StateModel {
+    double gradient[3], hessian[3][3];
+  };
+
+ private:
+  void read_states(const TimingSpline& spline);
   void add_phase(const TimingSpline& spline, int phase, double weight);
 
+  const PathRates& path_;
   int n_;
-  std::size_t joints_;
-  std::vector<double> geometry_;  // r', r'', r''' at both ends of phases, [3][2][phases][joints]
-  std::vector<double> inverse_limits_;
-  BandMatrix matrix_;
+  std::size_t groups_;
+  std::vector<RateFactors> factors_;  // [phases][points][groups]
+  std::vector<StateModel> models_;    // [phases][points]
+  std::vector<State> states_;         // [phases][points]
+  std::vector<std::size_t> pieces_;   // of the path, under phases
+  BandMatrix<TimingSpline::half_band> matrix_;
   std::vector<double> right_, gradient_;
 };
 

@@ -12,7 +12,7 @@ TimingSpline::TimingSpline(std::vector<double> parameters)
       v_(n_ + 1),
       a_(n_ + 1),
       j_(n_),
-      matrix_(n_ - 1, 1) {}
+      matrix_(n_ - 1) {}
 
 double TimingSpline::factor(int node) const {
   if (node == 1) return h_[0] * h_[0] / 6;
@@ -82,7 +82,7 @@ PhaseSlopes TimingSpline::slopes(int phase) const {
   return found;
 }
 
-void TimingSpline::add_continuity(int node, BandMatrix& matrix) const {
+void TimingSpline::add_continuity(int node, BandMatrix<half_band>& matrix) const {
   const int row = multiplier(node);
   const auto add = [&](int variable, double slope) {
     matrix.at(row, variable) += slope;

@@ -52,7 +52,7 @@ class TimingSpline {
 
   PhaseSlopes slopes(int phase) const;
   // Adds the derivatives of the equation of continuous speed at an inner node, and their transpose.
-  void add_continuity(int node, BandMatrix& matrix) const;
+  void add_continuity(int node, BandMatrix<half_band>& matrix) const;
 
  private:
   // s_i = base + factor a_i, where a rest fixes it.
@@ -61,7 +61,7 @@ class TimingSpline {
 
   int n_;
   std::vector<double> parameters_, h_, s_, v_, a_, j_;
-  BandMatrix matrix_;
+  BandMatrix<1> matrix_;
 };
 
 }  // namespace wayproof
