@@ -106,4 +106,3 @@ def _around_speed_zones(world: World, result: MultiStartResult) -> MultiStartRes
         if detour is not None and problem.needs_another_start(result.best):
             result = result.optimized_from(detour.problem, guess)
     return result
-

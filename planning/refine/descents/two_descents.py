@@ -45,9 +45,7 @@ class Descendable(Protocol):
         ...
 
 
-def two_descents(
-    problem: Descendable, guess: Float64[np.ndarray, "k nv"]
-) -> tuple[Descent, ...]:
+def two_descents(problem: Descendable, guess: Float64[np.ndarray, "k nv"]) -> tuple[Descent, ...]:
     """Return a descent from a guess, and the second one if it is of use; both have ended.
 
     Args:

@@ -104,8 +104,7 @@ void add_lane_squares(const Rows& first, const double* weights, std::size_t bloc
         factors[b] = weights[b * first.num_weights + i] * weights[b * first.num_weights + k];
       for (std::size_t j = 0; j < first.num_slopes; ++j) {
         Lanes sum = {};
-        for (std::size_t b = 0; b < blocks; ++b)
-          sum += factors[b] * load(squares + (b * num_lanes + j) * num_lanes);
+        for (std::size_t b = 0; b < blocks; ++b) sum += factors[b] * load(squares + (b * num_lanes + j) * num_lanes);
         if (i == k) sum *= load(not_above[j].data());
         add_to(&matrix.at(static_cast<int>(first.columns[i] + j), static_cast<int>(first.columns[k])), sum);
       }

@@ -55,10 +55,10 @@ class ProductBlocks {
   const ProductRows& p_;
   std::vector<Block> blocks_;
   bool in_lanes_;
-  std::vector<double> padded_;                       // slopes, with zeros behind those of a row to fill all lanes
-  std::vector<double> block_weights_;                // [blocks][weights]
-  std::vector<double> sum_, square_, variables_;     // what is computed in
-  std::vector<double> squares_, factors_;            // the same, of blocks with the same columns
+  std::vector<double> padded_;                    // slopes, with zeros behind those of a row to fill all lanes
+  std::vector<double> block_weights_;             // [blocks][weights]
+  std::vector<double> sum_, square_, variables_;  // what is computed in
+  std::vector<double> squares_, factors_;         // the same, of blocks with the same columns
 };
 
 }  // namespace wayproof

@@ -51,39 +51,17 @@ void factor_rows(double* rows, std::size_t stride, const int* last, double* inve
   }
 }
 
-// Solves with the factor's transpose, then with the factor: what four unknowns take from the others, or the others from
-// them, is gathered at once, so that only their own triangle is computed one after another.
 WAYPROOF_MULTIVERSION
 void solve_rows(const double* rows, std::size_t stride, const int* last, const double* inverse, int count, double* x) {
-  constexpr int width = static_cast<int>(num_lanes);
-  for (int begin = 0; begin < count; begin += panel) {
-    const double *r0 = rows + static_cast<std::size_t>(begin) * stride, *r1 = r0 + stride, *r2 = r1 + stride,
-                 *r3 = r2 + stride;
-    const double* scale = inverse + begin;
-    double* to = x + begin;
-    const double x0 = to[0] * scale[0], x1 = (to[1] - r0[1] * x0) * scale[1],
-                 x2 = (to[2] - (r0[2] * x0 + r1[1] * x1)) * scale[2],
-                 x3 = (to[3] - ((r0[3] * x0 + r1[2] * x1) + r2[1] * x2)) * scale[3];
-    to[0] = x0, to[1] = x1, to[2] = x2, to[3] = x3;
-    for (int k = panel; k <= last[begin + panel - 1] - begin; k += width)
-      store(to + k, load(to + k) - ((x0 * load(r0 + k) + x1 * load(r1 + k - 1)) +
-                                    (x2 * load(r2 + k - 2) + x3 * load(r3 + k - 3))));
+  for (int i = 0; i < count; ++i) {
+    x[i] *= inverse[i];
+    subtract(x + i + 1, x[i], rows + static_cast<std::size_t>(i) * stride + 1, last[i] - i);
   }
-  for (int begin = count - panel; begin >= 0; begin -= panel) {
-    const double *r0 = rows + static_cast<std::size_t>(begin) * stride, *r1 = r0 + stride, *r2 = r1 + stride,
-                 *r3 = r2 + stride;
-    const double* scale = inverse + begin;
-    double* to = x + begin;
-    Lanes s0 = {}, s1 = {}, s2 = {}, s3 = {};
-    for (int k = panel; k <= last[begin + panel - 1] - begin; k += width) {
-      const Lanes known = load(to + k);
-      s0 += load(r0 + k) * known, s1 += load(r1 + k - 1) * known;
-      s2 += load(r2 + k - 2) * known, s3 += load(r3 + k - 3) * known;
-    }
-    const double x3 = (to[3] - sum_of(s3)) * scale[3], x2 = (to[2] - sum_of(s2) - r2[1] * x3) * scale[2],
-                 x1 = (to[1] - sum_of(s1) - (r1[1] * x2 + r1[2] * x3)) * scale[1],
-                 x0 = (to[0] - sum_of(s0) - ((r0[1] * x1 + r0[2] * x2) + r0[3] * x3)) * scale[0];
-    to[0] = x0, to[1] = x1, to[2] = x2, to[3] = x3;
+  for (int i = count - 1; i >= 0; --i) {
+    const double* row = rows + static_cast<std::size_t>(i) * stride + 1;
+    Lanes sum = {};
+    for (int k = 0; k < last[i] - i; k += static_cast<int>(num_lanes)) sum += load(row + k) * load(x + i + 1 + k);
+    x[i] = (x[i] - sum_of(sum)) * inverse[i];
   }
 }
 
