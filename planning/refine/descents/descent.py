@@ -10,7 +10,7 @@ from planning.refine.descents.trust_region import TrustRegion
 from planning.refine.model.curve_model import CurveModel
 
 # Iterations, not seconds, decide when to give up, so that the same request gives the same bytes.
-MAX_STEPS = 25
+MAX_STEPS = 22
 # Number of better curves over which the rate of a descent is taken.
 _NUM_RATE_CURVES = 3
 # Factor above the least possible duration at which a descent stops.
@@ -45,6 +45,7 @@ class Descent:
     Attributes:
         best: Best free curve so far, or None.
         reason: Why the last curve was rejected, or "".
+        is_finished: Whether it cannot go on.
     """
 
     def __init__(self, problem: CurveChecker, model: CurveModel, guess: Array) -> None:
@@ -52,9 +53,11 @@ class Descent:
         self._problem = problem
         self._model = model
         self._trust_region = TrustRegion(model, model.evaluate(guess))
+        self._curves = self._trust_region.run(MAX_STEPS)
         self._merits: list[float] = []
         self._num_rejected = 0
         self.best: CurveEvaluation | None = None
+        self.is_finished = False
         self.reason = "the deadline passed during refinement"
 
     @property
@@ -62,20 +65,38 @@ class Descent:
         """Number of trust-region steps so far."""
         return self._trust_region.num_steps
 
-    def advance(self, to_beat: float = np.inf) -> None:
-        """Go on until the descent is finished.
+    @property
+    def merit(self) -> float:
+        """Merit of the current curve, free or not [s]."""
+        return self._trust_region.current.merit
+
+    @property
+    def points(self) -> Array:
+        """Control points of the best free curve, or of the current one if there is none."""
+        return (self.best or self._trust_region.current).points
+
+    def advance(
+        self,
+        to_beat: float = np.inf,
+        max_steps: int = MAX_STEPS,
+        num_foreseen: int = MAX_STEPS,
+    ) -> None:
+        """Go on until the descent is finished, or has taken a number of steps.
 
         Args:
-            to_beat: Objective of another curve; a descent that goes on to the last step at its
-                present rate, and is still above that, is finished.
+            to_beat: Objective of another curve; a descent that does not get below that at its
+                present rate stops.
+            max_steps: Number of steps, those before included, after which the next better curve is
+                the last.
+            num_foreseen: Largest number of steps for which it is taken to keep that rate.
         """
-        for evaluation in self._trust_region.run(MAX_STEPS):
-            if (
-                self._accepts_no_more(evaluation)
-                or self._problem.is_over
-                or self._is_hopeless(to_beat)
-            ):
+        while not (self.is_finished or self.num_steps >= max_steps):
+            if self._foreseen_merit(num_foreseen) > to_beat:
                 return
+            evaluation = next(self._curves, None)
+            self.is_finished = (
+                evaluation is None or self._accepts_no_more(evaluation) or self._problem.is_over
+            )
 
     def _accepts_no_more(self, evaluation: CurveEvaluation) -> bool:
         """Audit a better curve, and return whether the descent ends with it."""
@@ -95,10 +116,10 @@ class Descent:
         is_optimal = self.best is not None and self.best.objective < target
         return is_optimal or self._num_rejected >= _MAX_REJECTED_CURVES
 
-    def _is_hopeless(self, to_beat: float) -> bool:
-        """Return whether the last curves, continued in a line, do not get below an objective."""
+    def _foreseen_merit(self, num_foreseen: int) -> float:
+        """Return the merit to which the last curves, continued in a line, lead within steps."""
         if len(self._merits) <= _NUM_RATE_CURVES:
-            return False
+            return -np.inf
         per_curve = (self._merits[-1 - _NUM_RATE_CURVES] - self._merits[-1]) / _NUM_RATE_CURVES
         per_step = per_curve * len(self._merits) / max(1, self.num_steps)
-        return self._merits[-1] - per_step * (MAX_STEPS - self.num_steps) > to_beat
+        return self._merits[-1] - per_step * min(num_foreseen, MAX_STEPS - self.num_steps)

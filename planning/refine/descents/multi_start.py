@@ -6,8 +6,9 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.arrays import Array
-from planning.refine.curves.bspline_basis import greville_abscissae
 from planning.refine.curves.curve_evaluation import CurveEvaluation
+from planning.refine.descents.descent import Descent
+from planning.refine.descents.two_descents import two_descents
 from planning.refine.refine_problem import RefineProblem
 from planning.refine.zone_detour import ZoneDetour
 from planning.world.world import World
@@ -38,9 +39,25 @@ class MultiStartResult:
     def optimized_from(
         self, problem: RefineProblem, guess: Float64[np.ndarray, "k nv"]
     ) -> "MultiStartResult":
-        """Return the result after one more whole descent, from another guess."""
+        """Return the result after one more descent, from another guess."""
         descent = problem.descent(guess)
         descent.advance(np.inf if self.best is None else self.best.objective)
+        return self.with_descent(problem, descent)
+
+    def with_two_descents(
+        self, problem: RefineProblem, guess: Float64[np.ndarray, "k nv"]
+    ) -> "MultiStartResult":
+        """Return the result after a descent from another guess, and one nearer to a straight line.
+
+        The second one is left out where the first one leads to a curve that is good enough.
+        """
+        result = self
+        for descent in two_descents(problem, guess):
+            result = result.with_descent(problem, descent)
+        return result
+
+    def with_descent(self, problem: RefineProblem, descent: Descent) -> "MultiStartResult":
+        """Return the result after one more descent, which has ended."""
         num_steps, candidate = self.num_steps + descent.num_steps, descent.best
         if self.best is None or (
             candidate is not None and candidate.objective < self.best.objective
@@ -61,14 +78,10 @@ def solve_multi_start(world: World, problem: RefineProblem) -> MultiStartResult:
     result = MultiStartResult(problem, guess, reason="the deadline passed during refinement")
     if problem.deadline.is_over:
         return result
-    result = result.optimized_from(problem, guess)
+    result = result.with_two_descents(problem, guess)
     if result.best is None and not problem.deadline.is_over:
-        result = result.optimized_from(problem, problem.fit_path(_FIT_TOLERANCES[1]))
-    result = _from_other_guesses(world, problem, result)
-    if result.best is not None and problem.needs_another_start(result.best):
-        guess = _halfway_to_straight_line(result.best.points)
-        result = result.optimized_from(result.problem, guess)
-    return result
+        result = result.with_two_descents(problem, problem.fit_path(_FIT_TOLERANCES[1]))
+    return _from_other_guesses(world, problem, result)
 
 
 def _from_other_guesses(
@@ -93,13 +106,3 @@ def _around_speed_zones(world: World, result: MultiStartResult) -> MultiStartRes
         if detour is not None and problem.needs_another_start(result.best):
             result = result.optimized_from(detour.problem, guess)
     return result
-
-
-def _halfway_to_straight_line(points: Array) -> Array:
-    """Return control points halfway to the straight line between the ends.
-
-    A local optimization stays on the side of obstacles where it began; from here the other sides
-    are as near.
-    """
-    straight = points[0] + greville_abscissae(len(points))[:, None] * (points[-1] - points[0])
-    return (points + straight) / 2

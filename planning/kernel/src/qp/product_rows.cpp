@@ -80,22 +80,34 @@ void add_transposed_lanes(const Rows& b, const double* y, double scale, double* 
     if (b.columns[i] >= 0) add_to(x + b.columns[i], b.weights[i] * sum);
 }
 
+// square = sum_r weight_r g_r g_r'.
 WAYPROOF_MULTIVERSION
-void add_lane_squares(const Rows& b, const double* weight, Skyline& matrix) {
-  Lanes square[num_lanes] = {}, lower[num_lanes];
+void square_lanes(const Rows& b, const double* weight, double* square) {
+  Lanes sums[num_lanes] = {};
   for (std::size_t r = 0; r < b.rows; ++r) {
     const double* g = b.slopes + r * num_lanes;
-    const Lanes all = load(g);
-    for (std::size_t i = 0; i < num_lanes; ++i) square[i] += (weight[r] * g[i]) * all;
+    const Lanes all = weight[r] * load(g);
+    for (std::size_t i = 0; i < num_lanes; ++i) sums[i] += g[i] * all;
   }
-  for (std::size_t i = 0; i < num_lanes; ++i) lower[i] = load(not_above[i].data()) * square[i];
-  for (std::size_t i = 0; i < b.num_weights; ++i)
-    for (std::size_t k = 0; k < b.num_weights; ++k) {
-      if (b.columns[k] < 0 || b.columns[i] < b.columns[k]) continue;
-      const double factor = b.weights[i] * b.weights[k];
-      for (std::size_t j = 0; j < b.num_slopes; ++j)
-        add_to(&matrix.at(static_cast<int>(b.columns[i] + j), static_cast<int>(b.columns[k])),
-               factor * (i == k ? lower[j] : square[j]));
+  for (std::size_t i = 0; i < num_lanes; ++i) store(square + i * num_lanes, sums[i]);
+}
+
+// Adds the squares of consecutive blocks with the same columns, each times the products of its weights. `factors`: a
+// number of each block.
+WAYPROOF_MULTIVERSION
+void add_lane_squares(const Rows& first, const double* weights, std::size_t blocks, const double* squares,
+                      double* factors, Skyline& matrix) {
+  for (std::size_t i = 0; i < first.num_weights; ++i)
+    for (std::size_t k = 0; k < first.num_weights; ++k) {
+      if (first.columns[k] < 0 || first.columns[i] < first.columns[k]) continue;
+      for (std::size_t b = 0; b < blocks; ++b)
+        factors[b] = weights[b * first.num_weights + i] * weights[b * first.num_weights + k];
+      for (std::size_t j = 0; j < first.num_slopes; ++j) {
+        Lanes sum = {};
+        for (std::size_t b = 0; b < blocks; ++b) sum += factors[b] * load(squares + (b * num_lanes + j) * num_lanes);
+        if (i == k) sum *= load(not_above[j].data());
+        add_to(&matrix.at(static_cast<int>(first.columns[i] + j), static_cast<int>(first.columns[k])), sum);
+      }
     }
 }
 
@@ -112,6 +124,14 @@ ProductBlocks::ProductBlocks(const ProductRows& rows)
     if (blocks_.empty() || !same(blocks_.back().begin, k)) blocks_.push_back({k, k});
     blocks_.back().end = k + 1;
   }
+  if (!in_lanes_) return;
+  for (const Block& b : blocks_)
+    block_weights_.insert(block_weights_.end(), weights_of(b.begin), weights_of(b.begin) + p_.num_weights);
+  squares_.resize(blocks_.size() * num_lanes * num_lanes), factors_.resize(blocks_.size());
+}
+
+bool ProductBlocks::has_columns_of(const Block& a, const Block& b) const {
+  return std::equal(columns_of(a.begin), columns_of(a.begin) + p_.num_weights, columns_of(b.begin));
 }
 
 bool ProductBlocks::same(std::size_t a, std::size_t b) const {
@@ -162,11 +182,14 @@ void ProductBlocks::add_transposed(const double* y, double scale, std::vector<do
 }
 
 void ProductBlocks::add_squares(const double* weight, Skyline& matrix) {
-  for (const Block& b : blocks_) {
-    if (in_lanes_)
-      add_lane_squares(rows_of(b), weight + b.begin, matrix);
-    else
-      add_row_squares(rows_of(b), weight + b.begin, square_.data(), matrix);
+  for (std::size_t i = 0; !in_lanes_ && i < blocks_.size(); ++i)
+    add_row_squares(rows_of(blocks_[i]), weight + blocks_[i].begin, square_.data(), matrix);
+  for (std::size_t begin = 0, end = 0; in_lanes_ && begin < blocks_.size(); begin = end) {
+    for (end = begin; end < blocks_.size() && has_columns_of(blocks_[begin], blocks_[end]); ++end)
+      square_lanes(rows_of(blocks_[end]), weight + blocks_[end].begin,
+                   &squares_[(end - begin) * num_lanes * num_lanes]);
+    add_lane_squares(rows_of(blocks_[begin]), &block_weights_[begin * p_.num_weights], end - begin, squares_.data(),
+                     factors_.data(), matrix);
   }
 }
 

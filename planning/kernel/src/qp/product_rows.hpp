@@ -50,12 +50,15 @@ class ProductBlocks {
   const double* weights_of(std::size_t row) const { return &p_.weights[row * p_.num_weights]; }
   Rows rows_of(const Block& block) const;
   bool same(std::size_t a, std::size_t b) const;
+  bool has_columns_of(const Block& a, const Block& b) const;
 
   const ProductRows& p_;
   std::vector<Block> blocks_;
   bool in_lanes_;
   std::vector<double> padded_;                    // slopes, with zeros behind those of a row to fill all lanes
+  std::vector<double> block_weights_;             // [blocks][weights]
   std::vector<double> sum_, square_, variables_;  // what is computed in
+  std::vector<double> squares_, factors_;         // the same, of blocks with the same columns
 };
 
 }  // namespace wayproof
