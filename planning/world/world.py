@@ -18,8 +18,8 @@ from planning.errors import UnknownName
 from planning.world.collision.collision_check import (
     DistanceProbe,
     DrakeCollisionOracle,
-    make_collision_checker,
 )
+from planning.world.collision.drake_checker import make_collision_checker
 from planning.world.collision.margins import PairMargins
 from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel

@@ -10,7 +10,7 @@ from pydrake.planning import SceneGraphCollisionChecker
 
 from planning.domain.robot.joints import JointGroup
 from planning.refine.constraints.distance_buffers import PairThresholds
-from planning.world.collision.collision_check import distance_checker
+from planning.world.collision.drake_checker import distance_checker
 from planning.world.drake_model import DrakeModel
 
 

@@ -1,13 +1,13 @@
 """Collision checks and distance queries on configurations, by Drake's exact geometry."""
 
 from collections.abc import Callable, Iterator
-from itertools import chain, combinations
+from itertools import chain
 from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64
 from pydrake.common import Parallelism
-from pydrake.planning import CollisionCheckerParams, SceneGraphCollisionChecker
+from pydrake.planning import SceneGraphCollisionChecker
 
 from planning.domain.arrays import Array
 from planning.domain.curves import motion_samples
@@ -19,8 +19,8 @@ from planning.world.collision.distance_lower_bounds import (
     DistanceLowerBounds,
     inflated_query_distance,
 )
+from planning.world.collision.drake_checker import apply_margins, make_collision_checker
 from planning.world.collision.drake_distance import distances_within
-from planning.world.collision.half_spaces import exclude_half_spaces
 from planning.world.collision.margins import PairMargins
 from planning.world.collision.measured_pairs import MeasuredMargins, measured_pairs_of
 from planning.world.collision.near_static import NearStatic
@@ -54,7 +54,7 @@ class DrakeCollisionOracle:
         self._manifold = Manifold.of(group.joints)
         self._checker: Any = make_checker() if make_checker else make_collision_checker(model)
         if margins.largest > 0 or margins.by_pair:
-            _apply_margins(self._checker, model, margins)
+            apply_margins(self._checker, model, margins)
         self._measured_margins = MeasuredMargins(model, margins)
         self._static_probe = DistanceProbe(model, margins) if len(model.static_objects) else None
         self._full = model.apply_couplings(np.array(state))
@@ -286,46 +286,3 @@ class DistanceProbe:
         """Return the pairs within `distance` [m] that are measured here, by rows as of a batch."""
         own = self._measured_pairs.within(self._near_static.query, distance) if is_first else ()
         return chain(own, self._near_static.boxes_within(rows, distance))
-
-
-def make_collision_checker(model: DrakeModel) -> SceneGraphCollisionChecker:
-    """Return Drake's checker of a model, without margins.
-
-    Making one takes longer than many plans; copying it does not.
-    """
-    plant = model.plant
-    moving_bodies = [plant.get_joint(index).child_body() for index in model.joint_indices.values()]
-    attached_bodies = [plant.get_body(model.bodies[name]) for name in model.owners]
-    robots = sorted({body.model_instance() for body in [*moving_bodies, *attached_bodies]}, key=int)
-    return distance_checker(model, robots)
-
-
-def distance_checker(model: DrakeModel, robots: list[Any]) -> SceneGraphCollisionChecker:
-    """Return Drake's checker of model instances; pairs with half spaces are measured elsewhere."""
-    checker = SceneGraphCollisionChecker(
-        CollisionCheckerParams(
-            model=model.diagram,
-            robot_model_instances=robots,
-            edge_step_size=0.05,
-            implicit_context_parallelism=Parallelism(1),
-        )
-    )
-
-    def exclude(diagram: Any, contexts: Any) -> None:
-        graph = diagram.scene_graph()
-        exclude_half_spaces(graph, graph.GetMyMutableContextFromRoot(contexts.model_context()))
-
-    checker.PerformOperationAgainstAllModelContexts(exclude)
-    return checker
-
-
-def _apply_margins(checker: Any, model: DrakeModel, margins: PairMargins) -> None:
-    """Set the margin of every pair of bodies as padding of Drake's checker."""
-    named_bodies = [
-        (int(index), name, checker.IsPartOfRobot(index)) for index, name in model.body_names.items()
-    ]
-    padding = np.array(checker.GetPaddingMatrix())
-    for (i, a, a_moves), (j, b, b_moves) in combinations(named_bodies, 2):
-        if a_moves or b_moves:
-            padding[i, j] = padding[j, i] = margins.of(a, b)
-    checker.SetPaddingMatrix(padding)

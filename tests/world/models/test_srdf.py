@@ -214,8 +214,8 @@ MEMBERS = '<group name="arm"><joint name="j1"/><joint name="j2"/>{}</group>'
         (
             CHAIN + HAND + EFFECTOR.format("").replace("flange", "flannge"),
             (
-                "end effector 'grip' in m.srdf: parent_link: link 'flannge' does not exist; did you "
-                "mean 'flange'?"
+                "end effector 'grip' in m.srdf: parent_link: link 'flannge' does not exist; did "
+                "you mean 'flange'?"
             ),
         ),
         (
@@ -235,15 +235,15 @@ MEMBERS = '<group name="arm"><joint name="j1"/><joint name="j2"/>{}</group>'
         (
             CHAIN + '<disable_collisions link1="l1" link2="palms"/>' * 2,
             (
-                "disable_collisions in m.srdf: 2 pairs are ignored: link 'palms' does not exist; did "
-                "you mean 'palm'?"
+                "disable_collisions in m.srdf: 2 pairs are ignored: link 'palms' does not exist; "
+                "did you mean 'palm'?"
             ),
         ),
         (
             CHAIN + HOME.format(SAID + '<joint name="j3" value="0"/>'),
             (
-                "group state 'home' in m.srdf: a value is ignored: in group 'arm' joint 'j3' does not "
-                "exist; there are ['j1', 'j2']"
+                "group state 'home' in m.srdf: a value is ignored: in group 'arm' joint 'j3' does "
+                "not exist; there are ['j1', 'j2']"
             ),
         ),
         (

@@ -65,10 +65,10 @@ def read_srdf(urdf: Path, movable: Mapping[str, int]) -> Srdf:
             faults.append((f"group state {name!r} of {group!r}", f" is ignored: {fault}"))
     read = {name: group.joints for name, group in groups.items()}
     faults += srdf_warnings(root, reader, read, movable)
-    return Srdf(groups, configurations, _told(file.name, faults))
+    return Srdf(groups, configurations, _texts(file.name, faults))
 
 
-def _told(file: str, faults: list[Fault]) -> tuple[str, ...]:
+def _texts(file: str, faults: list[Fault]) -> tuple[str, ...]:
     """Return the warnings of a file, each once, not too many."""
     distinct = list(dict.fromkeys(faults))
     shown = [f"{subject} in {file}{text}" for subject, text in distinct[:_MAX_WARNINGS]]
