@@ -19,6 +19,7 @@ from service.jobs.job import (
     JobText,
     LoggedEvent,
 )
+from service.jobs.json_steps import decode
 from service.jobs.store.entries import Entries
 from service.jobs.store.job_store import JobStore
 from service.jobs.task import artifacts_of
@@ -47,21 +48,19 @@ class JobReader:
         self._queues = queues
 
     async def job(
-        self, queue: str, identifier: str, read_result: Callable[[str], Any] | None = None
+        self, queue: str, identifier: str, read_result: Callable[[str], Any] = decode
     ) -> Job:
         """Return a job.
 
         Args:
             queue: Its queue.
             identifier: Its id.
-            read_result: Returns its result from the text of that; None for the result itself.
+            read_result: Returns its result from the text of that.
 
         Raises:
             UnknownResource: The queue has none of that id.
         """
-        get = self._store.get
-        if read_result is not None:
-            get = partial(self._store.get_read, read_result=read_result)
+        get = partial(self._store.get, read_result=read_result)
         return await self._read(queue, identifier, get)
 
     async def job_text(self, queue: str, identifier: str) -> JobText:

@@ -58,6 +58,7 @@ def asked(group: str, goal: Goal, **options: Any) -> PlanningProblem:
 def cases() -> dict[str, tuple[str, PlanningProblem]]:
     down = OrientationCone("arm::tcp", np.array([0, 0, 1.0]), np.array([0, 0, -1.0]), 3.0)
     limited = replace(RUCKIG, effort=True, tool_limits=(ToolLimit("arm::tcp", 0.3, 1.0),))
+    slow_tool = replace(RUCKIG, tool_limits=limited.tool_limits)
     ready, away = ConfigurationGoal("ready"), np.array([0, 0, -0.03])
     few = replace(FAST, roadmap=RoadmapOptions(states=200, neighbours=5))
     return {
@@ -72,6 +73,7 @@ def cases() -> dict[str, tuple[str, PlanningProblem]]:
         "cone": ("ur5e_pickup", asked("arm", ready, constraints=(down,), refine=PLAIN)),
         "roadmap": ("maze_2d", asked("body", ConfigurationGoal("exit"), search=few, refine=PLAIN)),
         "maze": ("maze_2d", asked("body", ConfigurationGoal("exit"), refine=PLAIN)),
+        "tool": ("ur5e_pickup", asked("arm", to_frame("place"), retime=slow_tool, refine=PLAIN)),
     }
 
 
@@ -267,7 +269,7 @@ def test_the_stage_at_work_is_the_one_that_fails(name: str, stage: str, looks: i
 
 
 def test_a_motion_is_not_lost_for_one_that_may_be_quicker() -> None:
-    tried = (hurried("jerk", Hurry("retime", looks, until="certify")) for looks in range(10, 80))
+    tried = (hurried("tool", Hurry("retime", looks, until="certify")) for looks in range(10, 80))
     found = next(plan for plan in tried if isinstance(plan, MotionPlan))
     assert found.certificate.proven
     assert found.cut_short == ("retime",)

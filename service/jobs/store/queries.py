@@ -30,6 +30,7 @@ from service.jobs.job import (
     JobText,
     LoggedEvent,
 )
+from service.jobs.json_steps import decode
 from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
 from service.jobs.store.batches import read_batches
@@ -97,17 +98,12 @@ class JobQueries:
         with self._engine.connect() as connection:
             return find_by_idempotency_key(connection, spec)
 
-    def get(self, identifier: str) -> Job:
-        """Return a job.
+    def get(self, identifier: str, read_result: Callable[[str], Any] = decode) -> Job:
+        """Return a job, with its result as it is read from its text.
 
         Raises:
             UnknownJob: There is none.
         """
-        with self._engine.connect() as connection:
-            return read_job(connection, identifier)
-
-    def get_read(self, identifier: str, read_result: Callable[[str], Any]) -> Job:
-        """Return a job whose result is what a function reads from its text; raises as `get`."""
         with self._engine.connect() as connection:
             columns = _one(connection, _ONE_WHOLE_TEXT, identifier)
         text = columns.pop("text")

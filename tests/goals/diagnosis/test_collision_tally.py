@@ -19,7 +19,13 @@ class World:
     def __init__(self) -> None:
         self.measured: list[float] = []
 
-    def violations(self, _: Any, q: Any, __: Any) -> tuple[BodyPair, ...]:
+    def distance_probe(self, _: Any) -> "World":
+        return self
+
+    def embed(self, _: Any, q: Any) -> Any:
+        return q
+
+    def violations(self, q: Any) -> tuple[BodyPair, ...]:
         self.measured.append(float(q[1]))
         return (BodyPair((f"a{int(q[0])}", "b"), -0.01, np.zeros((2, 3))),)
 

@@ -59,7 +59,7 @@ class Scene:
         known = {"digest": "d", "summary": summary, "live": {}, "revision": 1}
         return SimpleNamespace(id=identifier, document={"robots": []}, **known)
 
-    async def job(self, queue, identifier):
+    async def job(self, queue, identifier, _=None):
         goal = {"type": "joint", "positions": [1.0]}
         request = {"scene": "s", "group": "arm", "goal": goal}
         payload = {**MOVING, "request": request, "revision": 1}

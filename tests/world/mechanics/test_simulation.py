@@ -66,7 +66,7 @@ def run(runner: Runner, until: float) -> list[Any]:
 def test_without_effort_a_pendulum_swings_as_a_pendulum_does(
     urdf_world: Callable[..., World],
 ) -> None:
-    world = urdf_world(PENDULUM.format(effort=1e-9))
+    world = urdf_world(PENDULUM.format(effort=1e-6))
     start = np.array([0.02])
     simulation = Simulation(world, world.group("r"), start)
     frequency = np.sqrt(9.81 / 0.5)

@@ -6,8 +6,8 @@
 #include "bind/arguments.hpp"
 #include "bind/bind.hpp"
 #include "math/bernstein.hpp"
-#include "timing/path_cells.hpp"
-#include "timing/path_motion.hpp"
+#include "path/path_cells.hpp"
+#include "path/path_motion.hpp"
 
 namespace wayproof {
 namespace {

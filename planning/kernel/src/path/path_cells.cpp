@@ -1,9 +1,9 @@
-#include "timing/path_cells.hpp"
+#include "path/path_cells.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "timing/path_motion.hpp"
+#include "path/path_motion.hpp"
 
 namespace wayproof {
 namespace {
