@@ -160,8 +160,8 @@ double numpy_sum(std::span<const double> x) {
 
 PathCells cut_into_cells(const PolynomialPath& path, std::span<const double> velocity,
                          std::span<const double> acceleration) {
-  std::vector<bool> lines;
-  for (std::size_t i = 0; i < path.pieces(); ++i) lines.push_back(is_line(path, i));
+  std::vector<bool> lines(path.pieces());
+  for (std::size_t i = 0; i < path.pieces(); ++i) lines[i] = is_line(path, i);
   const std::vector<std::size_t> counts = counts_of(path, lines);
   PathCells cells;
   cells.path.terms = path.terms, cells.path.joints = path.joints;
@@ -178,9 +178,9 @@ PathCells cut_into_cells(const PolynomialPath& path, std::span<const double> vel
   cells.path.breaks.push_back(path.breaks.back());
   const Rates rates = rates_of(cells.path);
   limit_lines(cells, rates, velocity, acceleration);
-  std::vector<double> durations;
-  for (std::size_t i = 0; i < cells.path.pieces(); ++i)
-    durations.push_back((cells.path.breaks[i + 1] - cells.path.breaks[i]) / cells.speed[i]);
+  std::vector<double> durations(cells.path.pieces());
+  for (std::size_t i = 0; i < durations.size(); ++i)
+    durations[i] = (cells.path.breaks[i + 1] - cells.path.breaks[i]) / cells.speed[i];
   cells.time_unit = numpy_sum(durations);
   bound_edges(cells, rates, velocity);
   limit_curves(cells, acceleration);

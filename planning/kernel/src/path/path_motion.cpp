@@ -65,6 +65,7 @@ void append_composed(const std::vector<double>& outer, std::size_t terms, std::s
 SpeedProfile profile_between(const CellLimits& cells, std::span<const double> x) {
   const std::size_t count = cells.is_line.size();
   std::vector<CellPhases> phases;
+  phases.reserve(count);
   for (std::size_t i = 0; i < count; ++i) phases.push_back(phases_of(cells, x, i));
   std::vector<double> times;
   for (std::size_t k = 0; k < 3; ++k)

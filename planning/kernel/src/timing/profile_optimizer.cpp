@@ -23,7 +23,9 @@ struct Round {
 constexpr Round rounds[] = {{8, 0.97, 0.1}, {4, 0.995, 5e-4}};
 constexpr double barrier_factor = 0.5;
 constexpr double max_step = 0.3;
-constexpr double armijo_factor = 0.01, min_step_length = 1e-3;
+constexpr double armijo_factor = 0.01;
+// The shortest is 2^-9.
+constexpr int num_step_lengths = 10;
 
 double sum(const std::vector<double>& numbers) {
   double total = 0;
@@ -58,7 +60,8 @@ struct Iterate {
 bool line_search(ProfileBarrier& barrier, TimingSpline& spline, Iterate& now, double weight,
                  const std::vector<double>& step, double slope) {
   Iterate trial = now;
-  for (double length = 1; length > min_step_length; length /= 2) {
+  double length = 1;
+  for (int halvings = 0; halvings < num_step_lengths; ++halvings, length /= 2) {
     for (std::size_t k = 0; k < step.size(); ++k) trial.h[k] = now.h[k] * exp_of_small(length * step[k]);
     if (!spline.set_durations(trial.h)) continue;
     trial.duration = sum(trial.h), trial.barrier = barrier.barrier(spline);
