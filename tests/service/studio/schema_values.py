@@ -60,7 +60,8 @@ def _lists(schema):
 
 def _maps(schema):
     if "properties" not in schema:
-        return st.dictionaries(_WORDS, values(schema["additionalProperties"]), max_size=2)
+        fewest, inner = schema.get("minProperties", 0), values(schema["additionalProperties"])
+        return st.dictionaries(_WORDS, inner, min_size=fewest, max_size=max(fewest, 2))
     required = schema.get("required", ())
     own = {name: values(inner) for name, inner in schema["properties"].items()}
     return st.fixed_dictionaries(
