@@ -23,7 +23,7 @@ class TaskContext(Protocol):
         ...
 
     def allow(self, seconds: float, grace: float = 0.0) -> None:
-        """Have the run ended after so many seconds from now on, and not before.
+        """Have the run ended after some seconds from now on, and not before.
 
         Args:
             seconds: Time that the run may take, as it was asked for [s].

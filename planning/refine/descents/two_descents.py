@@ -18,7 +18,7 @@ from planning.refine.curves.curve_evaluation import CurveEvaluation
 from planning.refine.descents.descent import Descent
 
 # Number of steps of the first descent before the second begins, and of that before both are
-# compared: so many it takes to leave the obstacles that the straight line is in.
+# compared: the steps it takes to leave the obstacles that the straight line is in.
 _FIRST_STEPS, _SECOND_STEPS = 6, 7
 # Number of steps within which the descent that is behind has to get below the other one.
 _FORESEEN_STEPS = 3

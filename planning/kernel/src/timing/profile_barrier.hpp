@@ -28,7 +28,7 @@ class ProfileBarrier {
   // none.
   bool newton_step(const TimingSpline& spline, double weight, std::vector<double>& step, double& slope);
 
-  // Limits are imposed at so many points of every phase: its ends and those that divide it evenly.
+  // Limits are imposed at this number of points of every phase: its ends and those that divide it evenly.
   static constexpr int num_points = 4;
 
   struct State {
