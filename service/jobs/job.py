@@ -203,7 +203,7 @@ class LoggedEvent:
         job: Its id.
         number: Of the event.
         type: What kind of event it is.
-        content: Its data, which may be JSON still: most events are recorded and read by nobody.
+        content: Its data, which may be JSON still: most events are recorded and not read here.
         at: When it was recorded (ISO 8601, UTC).
     """
 

@@ -39,7 +39,7 @@ class WebhookStore:
     def add(self, url: str, types: Sequence[str], key: str | None = None) -> WebhookRecord:
         """Return a new webhook with a new secret, or the one that was made by an idempotency key.
 
-        The key gives the id, which one webhook alone can have: whoever comes second finds it.
+        The key gives the id, which one webhook alone can have: the second request finds it.
 
         Raises:
             IdempotencyConflict: The key was used for another request.

@@ -81,7 +81,7 @@ class ProcessWorker:
     async def ready(self) -> None:
         """Wait for a warm process; one that keeps too much of what it ran is replaced."""
         process, bound = self._process, self._terms.memory
-        # Not when a run ends, for somebody waits for that.
+        # Not when a run ends: a client waits for that.
         if self._has_run and process is not None and bound is not None:
             self._has_run = False
             if resident(process.pid) > bound / 2:  # it must not be held against the next

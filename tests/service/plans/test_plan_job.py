@@ -17,7 +17,7 @@ NUM_COPIES = 1000
 
 @pytest.fixture
 def vast(app, client, solved):
-    """A plan with the motion of another one and so many times its samples, and their text."""
+    """A plan with the motion of another one and NUM_COPIES times its samples, and its text."""
     store = app.state.jobs._store
     job = store.get(solved["id"])
     trajectory = job.result["result"]["trajectory"]

@@ -159,8 +159,8 @@ class Scheduler:
     def release(self, name: str, worker: Worker, seconds: float) -> None:
         """Give a worker back after a run; it is used again once it is ready.
 
-        If nothing waits, that is seen to a moment later, or when something comes: whoever waits for
-        the end of the run is told before, and has the processor until then.
+        If nothing waits, that is seen to a moment later, or when something comes: the client that
+        waits for the end of the run is told before, and has the processor until then.
         """
         queue = self._queues[name]
         queue.end_run(worker, _now(), seconds)
