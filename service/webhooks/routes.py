@@ -1,12 +1,13 @@
 """/v1/webhooks: register addresses that are told what happens to jobs."""
 
 from contextlib import suppress
+from functools import partial
 from typing import Annotated
 
 from anyio import to_thread
 from fastapi import APIRouter, Depends, Path, Request, Response
 
-from service.api.dependencies import SettingsDep
+from service.api.dependencies import CALLER, SettingsDep
 from service.api.paging import Cursor, Limit, before, cursor_of
 from service.api.responses import problems
 from service.api.strict_route import StrictRoute
@@ -36,6 +37,7 @@ type WebhooksDep = Annotated[WebhookStore, Depends(_webhooks)]
 )
 async def create_webhook(
     request: WebhookRequest,
+    http: Request,
     webhooks: WebhooksDep,
     settings: SettingsDep,
     response: Response,
@@ -44,11 +46,13 @@ async def create_webhook(
     """Register an address; it is told what happens from now on, signed with the `secret`.
 
     Messages are as Standard Webhooks has them, sent again until they are taken. The same key and
-    request give the same webhook and secret: an answer that was lost is asked for again.
+    request of the same client give the same webhook and secret: an answer that was lost is asked
+    for again.
     """
     with suppress(OSError):  # a name may get its address later; each time it is looked at anew
         await resolve(request.url, may_be_private=settings.webhook_private_addresses)
-    record = await to_thread.run_sync(webhooks.add, request.url, request.events, idempotency_key)
+    add = partial(webhooks.add, client=http.scope.get(CALLER, ""))
+    record = await to_thread.run_sync(add, request.url, request.events, idempotency_key)
     response.headers["Location"] = f"/v1/webhooks/{record.id}"
     return NewWebhook.model_validate(record)
 

@@ -36,15 +36,24 @@ class WebhookStore:
         # Of enabled webhooks, so that events which none wants cost nothing; None before a look.
         self._wanted: frozenset[str] | None = None
 
-    def add(self, url: str, types: Sequence[str], key: str | None = None) -> WebhookRecord:
+    def add(
+        self, url: str, types: Sequence[str], key: str | None = None, *, client: str = ""
+    ) -> WebhookRecord:
         """Return a new webhook with a new secret, or the one that was made by an idempotency key.
 
-        The key gives the id, which one webhook alone can have: the second request finds it.
+        Client and key give the id, which one webhook alone can have: the second request finds it.
+        No client is told the secret of another one whose key it guesses.
+
+        Args:
+            url: Address that is told.
+            types: Of the events that it is told of.
+            key: The idempotency key, or None.
+            client: Name of the API key that asks; empty where none is needed.
 
         Raises:
-            IdempotencyConflict: The key was used for another request.
+            IdempotencyConflict: The client used the key for another request.
         """
-        identifier = f"whk_{secrets.token_hex(8) if key is None else _digest(key)}"
+        identifier = f"whk_{secrets.token_hex(8) if key is None else _digest(client, key)}"
         try:
             return self._insert(identifier, url, types)
         except IntegrityError:
@@ -231,8 +240,9 @@ def _message(connection: Connection, notice: Notice) -> Message | None:
     )
 
 
-def _digest(key: str) -> str:
-    return hashlib.sha256(key.encode()).hexdigest()[:16]
+def _digest(client: str, key: str) -> str:
+    # No name of a key and no header has a line break, so no two pairs read the same.
+    return hashlib.sha256(f"{client}\n{key}".encode()).hexdigest()[:16]
 
 
 def _at(instant: datetime) -> str:

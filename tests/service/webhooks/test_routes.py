@@ -3,11 +3,15 @@
 import json
 import uuid
 import warnings
+from datetime import UTC, datetime, timedelta
 
 import pytest
 from standardwebhooks import Webhook
 
 from service.app import create_app
+from service.jobs.store.sql.database import open_engine
+from service.security.keys import KeyStore
+from service.security.scopes import Scope
 from service.settings import Settings
 from tests.profiles import only_campaign
 from tests.service.pages import walk
@@ -104,3 +108,21 @@ def test_the_end_of_a_batch_of_plans_is_told_plan_by_plan(open_client):
         address = f"/v1/webhooks/{hook['id']}"
         assert until(lambda: open_client.get(address).json()["failing_since"] is None)
         open_client.delete(address)
+
+
+def test_no_client_is_told_the_secret_of_another_ones_webhook(tmp_path):
+    settings = Settings(engine="inline", data_dir=tmp_path, auth="keys")
+    request = {"url": PUBLIC, "events": ["plan.finished"]}
+    with TestClient(create_app(settings)) as running:
+        keys = KeyStore(engine := open_engine(settings.url))
+        texts = {name: keys.create(name, [Scope.ADMIN], datetime.now(UTC)).text for name in "ab"}
+        texts["a again"] = keys.rotate("a", datetime.now(UTC), timedelta(hours=1)).text
+        engine.dispose()
+        running.portal.call(running.app.state.callers.keys.read)
+        told = {}
+        for name, text in texts.items():
+            headers = {"Authorization": f"Bearer {text}", "Idempotency-Key": "deploy"}
+            told[name] = running.post("/v1/webhooks", json=request, headers=headers).json()
+    assert told["a again"] == told["a"]
+    assert told["b"]["id"] != told["a"]["id"]
+    assert told["b"]["secret"] != told["a"]["secret"]
