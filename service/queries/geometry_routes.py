@@ -72,5 +72,5 @@ async def get_mesh(
     work = RequestWork[MeshRequest].about(scenes.work(record), MeshRequest(sha256=sha256))
     found = await jobs.call(MESH, work)
     if found.glb is None:
-        raise UnknownResource.of("mesh of this scene", sha256)
+        raise UnknownResource.of("mesh", sha256)
     return _Glb(b64decode(found.glb), headers=_LASTING)

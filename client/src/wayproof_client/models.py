@@ -4716,6 +4716,24 @@ class ResourceInUseProblem(Answer):
     """What is wrong in the body or in parameters, at most 20; absent where no place of them is."""
 
 
+type ResourceKind = (
+    Literal[
+        "batch",
+        "job",
+        "mesh",
+        "plan",
+        "execution",
+        "regions",
+        "revision",
+        "scene",
+        "webhook",
+        "robot",
+    ]
+    | str
+)
+"""Kinds of resources that may not exist."""
+
+
 class RestartEvidence(Answer):
     """Number of times that the job was started."""
 
@@ -6409,7 +6427,7 @@ class UnknownResourceEvidence(Answer):
 
     id: str | None = None
     """Id that was given."""
-    kind: str | None = None
+    kind: ResourceKind | None = None
     """Kind of what was looked for."""
     known: list[str] | None = None
     """Names of models that exist."""

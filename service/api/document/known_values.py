@@ -111,6 +111,12 @@ QueueName = Annotated[str, OneOf("QueueName", "Queues of jobs and questions.", Q
 SCOPES = ("read", "plan", "execute", "admin")
 ScopeName = Annotated[str, OneOf("ScopeName", "Scopes of keys.", SCOPES)]
 
+RESOURCES = ("batch", "job", "mesh", "plan", "execution", "regions", "revision", "scene", "webhook")
+# A robot is no resource of its own, but has an address.
+ResourceKind = Annotated[
+    str, OneOf("ResourceKind", "Kinds of resources that may not exist.", (*RESOURCES, "robot"))
+]
+
 NAMES = (
     "body",
     "configuration",

@@ -4,7 +4,7 @@ from typing import Any, NotRequired, TypedDict
 
 from pydantic import with_config
 
-from service.api.document.known_values import MotionlessState, ScopeName
+from service.api.document.known_values import MotionlessState, ResourceKind, ScopeName
 from service.api.failures.parts import OPEN
 
 
@@ -48,7 +48,7 @@ class TimeoutEvidence(TypedDict):
 class UnknownResourceEvidence(TypedDict):
     """Resource that does not exist; empty where the address leads nowhere."""
 
-    kind: NotRequired[str]
+    kind: NotRequired[ResourceKind]
     """Kind of what was looked for"""
     id: NotRequired[str]
     """Id that was given"""

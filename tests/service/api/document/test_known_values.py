@@ -100,6 +100,13 @@ def test_kinds_of_names():
     assert kinds - NOT_ANSWERED <= set(known_values.NAMES)
 
 
+def test_kinds_of_resources():
+    kinds = said("service", r'UnknownResource\.of\("([\w ]+)"')
+    queues = said("service", r'\bqueue="(\w+)"', r'\bQUEUE = "(\w+)"')
+    assert {"scene", "revision", "mesh", "webhook", "batch", "job"} <= kinds
+    assert kinds | (queues - {"query"}) <= set(known_values.RESOURCES)
+
+
 def test_methods_solvers_queues_and_scopes():
     methods = said("planning/retime", r'"method": "(\w+)"')
     assert methods == set(known_values.METHODS)
