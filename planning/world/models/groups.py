@@ -28,6 +28,10 @@ _DEFAULT_VELOCITY = 1.0
 ACCELERATION_PER_VELOCITY = 2.0
 JERK_PER_ACCELERATION = 10.0
 
+# Limits that joints of one coordinate alone have, and those that they do not have.
+_SCALAR_RATES = ("velocity", "acceleration", "jerk")
+_BLOCK_LIMITS = ("position", "linear", "angular")
+
 
 @dataclass(frozen=True)
 class RobotGroups:
@@ -54,14 +58,15 @@ def robot_groups(model: DrakeModel, loaded: LoadedRobot) -> RobotGroups:
     """Return the groups of a robot: from its card, else its SRDF, else all independent joints.
 
     Raises:
-        UnknownName: The card names a joint, in a group or with limits, or a frame that the
-            description does not have.
-        ModelInvalid: A joint has a type that planning does not support.
+        UnknownName: The card names a joint, in a group or with limits, a limited coordinate of
+            one, or a frame that the description does not have.
+        ModelInvalid: A joint has a type that planning does not support, or limits in the card
+            that joints of its type do not have.
     """
     robot = loaded.scene_robot.name
     joints = _joints_of(model, loaded)
     wanted = wanted_groups(loaded, joints)
-    _validate_limited_joints(model, loaded)
+    _validate_limits(model, loaded, joints)
     steering = _steering(loaded, joints)
     groups: dict[str, JointGroup] = {}
     for name, (members, tools) in wanted.groups.items():
@@ -84,13 +89,33 @@ def robot_groups(model: DrakeModel, loaded: LoadedRobot) -> RobotGroups:
     )
 
 
-def _validate_limited_joints(model: DrakeModel, loaded: LoadedRobot) -> None:
-    """Raise unless the description has every joint with limits in the card."""
+def _validate_limits(model: DrakeModel, loaded: LoadedRobot, joints: dict[str, Joint]) -> None:
+    """Raise unless every limit in the card limits something that the description has."""
     prefix = f"{loaded.scene_robot.name}::"
     known = [full.removeprefix(prefix) for full in model.joint_indices if full.startswith(prefix)]
-    for name in loaded.source.card.limits if loaded.source.card else ():
+    for name, stated in (loaded.source.card.limits if loaded.source.card else {}).items():
         if name not in known:
             raise UnknownName.among("joint", name, known)
+        joint = joints.get(name)  # None is a follower, of one coordinate as well
+        if joint is not None and joint.type in (JointType.PLANAR, JointType.FLOATING):
+            _validate_coordinates(joint, stated)
+            lost = [rate for rate in _SCALAR_RATES if getattr(stated, rate) is not None]
+            lost += ["effort (a number)"] if isinstance(stated.effort, float) else []
+            instead = "`linear` and `angular` limits, and an effort of `force` and `torque`"
+        else:
+            lost = [block for block in _BLOCK_LIMITS if getattr(stated, block)]
+            lost += ["effort (force, torque)"] if isinstance(stated.effort, EffortCard) else []
+            instead = "`velocity`, `acceleration`, `jerk` and `effort`, and positions in its file"
+        if lost:
+            message = f"joint {name!r} cannot have limits of {lost[0]}: it has {instead}"
+            raise ModelInvalid(message, {"joint": name, "reason": message})
+
+
+def _validate_coordinates(joint: Joint, stated: LimitsCard) -> None:
+    known = [name.removeprefix(f"{joint.name}.") for name in joint.position_names]
+    for name in stated.position:
+        if name not in known:
+            raise UnknownName.among("position", name, known)
 
 
 def _winding_joints(model: DrakeModel, joints: Sequence[Joint]) -> tuple[str, ...]:
