@@ -9,7 +9,6 @@ from fastapi import FastAPI
 from service.api import error_responses as problems
 from service.api import operations
 from service.api.document import openapi
-from service.api.exact_paths import ExactPaths
 from service.api.metrics import MeasureRequests, Metrics
 from service.api.middleware.body_limit import BodyLimit
 from service.api.middleware.client_disconnect import DisconnectWatch
@@ -17,6 +16,7 @@ from service.api.middleware.graceful_shutdown import GracefulShutdown
 from service.api.middleware.host_check import HostCheck
 from service.api.middleware.request_id import RequestId
 from service.api.middleware.response_headers import ResponseHeaders
+from service.api.routing.exact_paths import ExactPaths
 from service.catalog import routes as catalog
 from service.executions import replay
 from service.executions import routes as executions

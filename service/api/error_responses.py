@@ -18,7 +18,7 @@ from planning.errors import WayproofError
 from planning.world.documents.document_faults import Fault, faults_of, value_fault
 from service.api.middleware.request_id import HEADER, request_id
 from service.api.middleware.response_headers import guard_headers
-from service.api.strict_route import CarriedRefusal, body_schema
+from service.api.routing.strict_route import CarriedRefusal, body_schema
 from service.errors import DiskFull, Refusal, RequestInvalid, UnreadableBody, problem_of
 from service.errors import status_of as status_of_error
 from service.jobs.errors import RETRY_AFTER, DatabaseUnavailable

@@ -20,7 +20,7 @@ from service.api.dependencies import JobsDep
 from service.api.metrics import MEDIA_TYPE, Metrics
 from service.api.models import ResponseModel
 from service.api.responses import problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.versions import versions
 
 

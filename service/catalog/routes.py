@@ -7,7 +7,7 @@ from fastapi import APIRouter, Path, Response
 from planning.errors import UnknownName
 from service.api.dependencies import JobsDep
 from service.api.responses import passed_on, problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.catalog.models import ModelList, PlannerList
 from service.catalog.planners import known_planners
 from service.catalog.tasks import LIST_MODELS, SHOW_MODEL, ModelWork

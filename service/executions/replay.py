@@ -8,7 +8,7 @@ from fastapi.responses import HTMLResponse
 from service.api.dependencies import JobsDep
 from service.api.params import SceneId
 from service.api.responses import HTML_PAGE, problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.errors import NotFinished
 from service.executions.models import ExecutionStatus, FollowedMotion
 from service.executions.position import last_status

@@ -13,7 +13,7 @@ from service.api.event_stream import EVENTS, server_sent
 from service.api.paging import Cursor, Limit, OfScene, before, cursor_of
 from service.api.params import ExecutionId, LastEventId
 from service.api.responses import accepted, problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
 from service.executions.commands import send_command
 from service.executions.drivers.controllers import check_speed

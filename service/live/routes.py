@@ -9,7 +9,7 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 from service.api.event_stream import EVENTS
 from service.api.params import LastEventId, SceneId
 from service.api.responses import problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.live.dependencies import MAX_RATE, FeedsDep
 from service.live.feed import Watch
 from service.live.models import LiveState, StateEvent

@@ -12,7 +12,7 @@ from service.api.dependencies import JobsDep
 from service.api.event_stream import EVENTS
 from service.api.paging import Cursor, Limit, before, cursor_of
 from service.api.responses import accepted, problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
 from service.jobs.job import BatchMember
 from service.jobs.states import JobState

@@ -13,7 +13,7 @@ from service.api.event_stream import EVENTS, server_sent
 from service.api.paging import Cursor, Limit, OfScene, before, cursor_of
 from service.api.params import LastEventId
 from service.api.responses import accepted, problems, whole
-from service.api.straight_route import StraightRoute
+from service.api.routing.straight_route import StraightRoute
 from service.api.submission import KeyHeader, Prefer, SubmissionDep, Wait, submission_of
 from service.jobs.job import JobText
 from service.jobs.service import JobService

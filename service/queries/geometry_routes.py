@@ -8,7 +8,7 @@ from fastapi import APIRouter, Path, Response
 from service.api.dependencies import JobsDep
 from service.api.params import Revision, SceneId
 from service.api.responses import passed_on, problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.errors import UnknownResource
 from service.queries.models.geometry import Digest, Geometry, MeshRequest
 from service.queries.tasks import GEOMETRY, MESH

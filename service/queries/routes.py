@@ -4,7 +4,7 @@ from fastapi import APIRouter, Response
 
 from service.api.params import Revision, SceneId
 from service.api.responses import problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.queries.models.check import CheckRequest, CheckResponse
 from service.queries.models.kinematics import FkRequest, FkResponse, IkRequest, IkResponse
 from service.queries.models.line import LineRequest, LineResponse

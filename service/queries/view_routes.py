@@ -6,7 +6,7 @@ from fastapi.responses import HTMLResponse
 from service.api.dependencies import JobsDep
 from service.api.params import Revision, SceneId
 from service.api.responses import HTML_PAGE, problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.queries.tasks import VIEW
 from service.scenes.dependencies import ScenesDep
 

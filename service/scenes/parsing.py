@@ -6,8 +6,8 @@ from typing import Any
 from planning.errors import SceneInvalid
 from planning.world.documents.scene_document import SceneDocument
 from planning.world.documents.scene_file import read_document
-from service.api.json_body import RepeatedKey
-from service.api.json_body import decode_json as decode
+from service.api.routing.json_body import RepeatedKey
+from service.api.routing.json_body import decode_json as decode
 from service.errors import UnreadableBody
 
 # Ten thousand obstacles have 200,000 values. Every fault of a document costs a kilobyte and ten

@@ -5,7 +5,7 @@ from typing import Any
 
 from fastapi import Request
 
-from service.api.strict_route import kind_of
+from service.api.routing.strict_route import kind_of
 from service.errors import BodyTooLarge, UnreadableBody, UnsupportedMediaType
 from service.jobs.job import IdempotencyKey
 from service.scenes.tasks import Media

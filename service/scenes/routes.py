@@ -8,7 +8,7 @@ from service.api.dependencies import JobsDep
 from service.api.paging import Cursor, Limit, before, cursor_of
 from service.api.params import Revision, SceneId
 from service.api.responses import problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.api.submission import KeyHeader
 from service.errors import RevisionConflict
 from service.scenes.dependencies import ScenesDep

@@ -3,7 +3,7 @@
 from fastapi import APIRouter, Response
 
 from service.api.responses import passed_on, problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.plans.models.sampling import IN_QUESTION, require_one_sampling
 from service.scenes.dependencies import REVISION, WITH_REVISION, SceneCallsDep
 from service.scenes.store.records import SceneRecord

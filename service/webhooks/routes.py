@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends, Path, Request, Response
 from service.api.dependencies import CALLER, SettingsDep
 from service.api.paging import Cursor, Limit, before, cursor_of
 from service.api.responses import problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.api.submission import KeyHeader
 from service.webhooks.addresses import resolve
 from service.webhooks.models import NewWebhook, Webhook, WebhookPage, WebhookRequest

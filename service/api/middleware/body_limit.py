@@ -6,7 +6,7 @@ from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.api.error_responses import respond
-from service.api.strict_route import CarriedRefusal
+from service.api.routing.strict_route import CarriedRefusal
 from service.errors import BodyTooLarge, RequestTimeout
 
 # Everything but a scene is small: a thousand goals of a hundred joints are 2 MB.

@@ -6,7 +6,7 @@ from fastapi import APIRouter, Response
 from service.api.dependencies import JobsDep
 from service.api.params import PlanId
 from service.api.responses import problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.errors import NotFinished, SceneNotKept
 from service.jobs.states import JobState
 from service.plans.bundle.writer import bundled_outcome, write_bundle

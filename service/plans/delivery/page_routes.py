@@ -6,7 +6,7 @@ from fastapi.responses import HTMLResponse
 from planning.errors import DeadlineExceeded
 from service.api.dependencies import JobsDep
 from service.api.responses import HTML_PAGE, problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.errors import NotFinished
 from service.jobs.job import Job
 from service.jobs.service import JobService

@@ -8,7 +8,7 @@ from fastapi.responses import HTMLResponse
 
 from service.api.dependencies import JobsDep
 from service.api.responses import HTML_PAGE, passed_on, problems
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.plans.dependencies import PlanJob
 from service.plans.exports.formats import FORMATS
 from service.plans.exports.series import Series

@@ -12,8 +12,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from planning.errors import UnknownName
 from service.api import error_responses
-from service.api.straight_route import StraightRoute
-from service.api.strict_route import StrictRoute
+from service.api.routing.straight_route import StraightRoute
+from service.api.routing.strict_route import StrictRoute
 from service.plans import routes as plans
 from tests.profiles import num_cases
 

@@ -8,7 +8,7 @@ from fastapi import APIRouter
 from starlette.routing import BaseRoute, Match
 from starlette.types import Receive, Scope, Send
 
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 
 _TRACED = "fastapi.telemetry"
 

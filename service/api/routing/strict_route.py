@@ -13,9 +13,9 @@ from starlette.routing import Match
 from starlette.types import Scope
 
 from planning.errors import UnknownName
-from service.api.json_body import RepeatedKey, decode_json
 from service.api.names import located
 from service.api.params import declared_query, located_in_query, require_known_query
+from service.api.routing.json_body import RepeatedKey, decode_json
 from service.errors import Refusal, RequestInvalid, UnreadableBody, UnsupportedMediaType, status_of
 
 

@@ -18,8 +18,8 @@ from starlette.requests import ClientDisconnect
 from starlette.types import Message, Receive, Scope, Send
 
 from planning.errors import UnknownName
-from service.api.json_body import RepeatedKey, decode_json
-from service.api.strict_route import StrictRequest, StrictRoute, located_in_request
+from service.api.routing.json_body import RepeatedKey, decode_json
+from service.api.routing.strict_route import StrictRequest, StrictRoute, located_in_request
 
 _JSON = b"application/json"
 _TRACED = "fastapi.telemetry"

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from starlette.routing import Match
 
-from service.api.strict_route import StrictRoute
+from service.api.routing.strict_route import StrictRoute
 from service.app import PARTS
 from tests.profiles import num_cases
 

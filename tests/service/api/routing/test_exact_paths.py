@@ -4,7 +4,7 @@ import pytest
 from starlette.responses import Response
 from starlette.routing import Match, Route
 
-from service.api.exact_paths import ExactPaths
+from service.api.routing.exact_paths import ExactPaths
 from service.app import create_app
 
 

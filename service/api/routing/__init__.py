@@ -1,0 +1,1 @@
+"""How requests are read and led to their endpoints."""
