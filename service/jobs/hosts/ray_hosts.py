@@ -23,6 +23,8 @@ from service.jobs.hosts.remote_host import Connection, ConnectionLost
 RESOURCE = "wayproof"
 # Between two looks for a machine that is free [s].
 _PERIOD = 1.0
+# Between two looks at what joining a cluster does to signals, far below Ray's 3 s [s].
+_GUARD_PERIOD = 0.2
 # Within which an actor's process is there, with what it imports [s].
 _START_WITHIN = 120.0
 # Within which the workers of an actor have ended [s].
@@ -75,9 +77,14 @@ class RayHosts:
 
     async def _join(self) -> Any:
         async with self._joining:
-            ray = await asyncio.to_thread(_joined, self._address)
-            _take_back_sigterm()
-            return ray
+            joining = asyncio.ensure_future(asyncio.to_thread(_joined, self._address))
+            try:
+                while not joining.done():
+                    await asyncio.wait({joining}, timeout=_GUARD_PERIOD)
+                    _take_back_sigterm()
+            finally:
+                joining.cancel()
+            return joining.result()
 
     async def _free_node(self, ray: Any) -> dict[str, Any]:
         while True:
@@ -133,11 +140,13 @@ def _take_back_sigterm() -> None:
     """Have SIGTERM come to this process alone again, as it did before it joined.
 
     Ray puts a handler of native code before it, which aborts the process 3 s later, whatever it
-    still does: robots that come to rest, plans that are waited for (ray-project/ray#64830).
+    still does: robots that come to rest, plans that are waited for (ray-project/ray#64830). It does
+    so by an alarm, which has been set already where the signal came while the cluster was joined.
     """
     handler = signal.getsignal(signal.SIGTERM)
     if handler is not None and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, handler)
+        signal.alarm(0)  # nothing else here uses alarms
 
 
 def _start(ray: Any, node: str) -> Any:
