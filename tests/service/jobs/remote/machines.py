@@ -136,15 +136,24 @@ class Cluster:
             # No machine sees the disk of another one.
             folder = tempfile.mkdtemp(prefix="wp-host-")
             self._folders.append(folder)
-            node = self._cluster.add_node(
+            node = self._started(folder)
+            self._nodes[node.node_id] = node
+        self._cluster.wait_for_nodes()
+
+    def _started(self, folder, tries=5):
+        try:
+            return self._cluster.add_node(
                 num_cpus=1,
                 resources={"wayproof": 1},
                 env_vars={"WAYPROOF_DATA_DIR": folder},
                 wait=False,
                 **self._options,
             )
-            self._nodes[node.node_id] = node
-        self._cluster.wait_for_nodes()
+        except Exception as fault:
+            # Ray gives a node half a minute, in which one with much beside it does not start.
+            if tries == 1 or "timed out during startup" not in str(fault):
+                raise
+            return self._started(folder, tries - 1)
 
     def pids(self, identifier):
         """The numbers of a node's own processes; what it runs is below them."""
