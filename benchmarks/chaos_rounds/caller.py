@@ -1,6 +1,7 @@
 """Caller: asks a server that may be gone, full or locked until it has answered."""
 
 import json
+import re
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Protocol
@@ -13,6 +14,7 @@ from benchmarks.serving.server import pause
 # A client that is patient: the longest fault, and the start after it [s].
 PATIENCE = 240.0
 _ANSWER_WITHIN = 90.0
+_GAUGES = re.compile(r"wayproof_(jobs|queue_length|workers_ready|workers_busy|is_leader)\b[{ ]")
 # Too much is asked, or the server cannot do it now.
 _AGAIN = frozenset({429, 503})
 
@@ -98,6 +100,14 @@ class Caller:
             pause(0.3)
         self._journal.blame("no answer", path, f"{method} within {PATIENCE:g} s; last: {last}")
         raise GaveUp(path)
+
+    def gauges(self) -> str:
+        """Return what the server says of its queues and workers, for people."""
+        try:
+            lines = self._send("GET", "/metrics", None, {}).text.splitlines()
+        except httpx.TransportError as fault:
+            return f"no metrics: {fault}"
+        return " ".join(line.removeprefix("wayproof_") for line in lines if _GAUGES.match(line))
 
     def follow(self, path: str, after: int) -> Iterator[Event]:
         """Yield events with numbers above `after`, until the stream or the server ends."""

@@ -139,6 +139,7 @@ class Client:
             now = time.monotonic()
             if now - began > NEVER:
                 what = f"is {job['state']} for {NEVER:g} s, unrecorded: {job['unrecorded']}"
+                what += f"; {self.caller.gauges()}"
                 self._journal.blame("every job ends", asked.id, what)
                 break
             if asked.cancels and now - asked_at > _LATE:
