@@ -27,6 +27,11 @@ class Address(Protocol):
         """Changes when it is started again; empty while there is none."""
         ...
 
+    @property
+    def starts(self) -> int:
+        """How often one came to listen."""
+        ...
+
 
 class GaveUp(Exception):
     """There is no answer that makes sense; it is in the journal."""

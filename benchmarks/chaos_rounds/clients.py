@@ -11,7 +11,8 @@ from benchmarks.chaos_rounds.journal import Asked, Glimpse, Journal
 from benchmarks.chaos_rounds.mix import ARM, CONFIGURATIONS, a_plan, to_configuration
 from benchmarks.serving.server import pause
 
-# A job that has not ended by then never will [s].
+# A job that has not ended so long after the last start of a server never will [s]: one that is
+# ended twenty times within ten minutes has little time for what waits.
 NEVER = 240.0
 _PERIOD = 0.1
 # A cancel that is recorded ends its job, whatever happens; it is repeated after so long [s].
@@ -134,9 +135,12 @@ class Client:
     def _await(self, asked: Asked) -> dict[str, Any]:
         """Return a job that has ended."""
         began = asked_at = time.monotonic()
+        starts = self.caller.address.starts
         while not asked.see(job := self.caller.get(_path(asked))):
             self._glimpse(asked, job)
             now = time.monotonic()
+            if starts != self.caller.address.starts:
+                began, starts = now, self.caller.address.starts
             if now - began > NEVER:
                 what = f"is {job['state']} for {NEVER:g} s, unrecorded: {job['unrecorded']}"
                 what += f"; {self.caller.gauges()}"

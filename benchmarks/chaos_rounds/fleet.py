@@ -40,6 +40,11 @@ class Fleet:
         return sum(keeper.losses for keeper in self.keepers)
 
     @property
+    def starts(self) -> int:
+        """How often a server came to listen, in all."""
+        return sum(keeper.starts for keeper in self.keepers)
+
+    @property
     def refused(self) -> int:
         """How often a server could not start, because of a fault that was there on purpose."""
         return sum(keeper.refused for keeper in self.keepers)

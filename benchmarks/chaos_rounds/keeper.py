@@ -31,6 +31,7 @@ class Keeper:
 
     Attributes:
         losses: How often it was killed.
+        starts: How often it came to listen.
         refused: How often it could not start, because of a fault that was there on purpose.
         stood_down: How often it ended because another server had taken the database over.
     """
@@ -56,6 +57,7 @@ class Keeper:
             is_shared: Whether another server works on its database, which may take it over.
         """
         self.losses = 0
+        self.starts = 0
         self.refused = 0
         self.stood_down = 0
         self._as_told = (*_AS_TOLD, *((_TAKEN,) if is_shared else ()))
@@ -129,6 +131,7 @@ class Keeper:
                 pause(_AGAIN)
             else:
                 self._server = server
+                self.starts += 1
                 return
 
     def kill(self, after: float | None = None) -> None:
