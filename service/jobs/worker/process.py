@@ -17,7 +17,7 @@ from service.jobs.worker.protocol import HEADER_SIZE, Message, unpack_header
 # milliseconds: one thread of its own does all of it.
 _PROCESSES = ThreadPoolExecutor(1, "worker-processes")
 # A forkserver that has not made a process by then says nothing any more; before its first one it
-# imports what all of them need [s].
+# imports what all of them need. A process that is not ready so long after that never will be [s].
 LONGEST_START = 120.0
 type _Streams = tuple[asyncio.StreamReader, asyncio.StreamWriter]
 # A process that has closed its end is about to end; one that does not is made to.

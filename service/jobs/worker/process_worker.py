@@ -22,7 +22,7 @@ from service.jobs.worker.assignment import Assignment, EventSink
 from service.jobs.worker.forkserver import forkserver, forkserver_pid
 from service.jobs.worker.main import Terms
 from service.jobs.worker.memory import MemoryWatch, resident
-from service.jobs.worker.process import WorkerProcess, leave_forkserver
+from service.jobs.worker.process import LONGEST_START, WorkerProcess, leave_forkserver
 from service.jobs.worker.protocol import Message, MessageKind, load_error, two_parts
 from service.jobs.worker.termination import Termination
 
@@ -209,7 +209,12 @@ class ProcessWorker:
             _log.exception("a worker process could not be started")
             return None
         try:
-            message = await process.receive()
+            async with asyncio.timeout(LONGEST_START):
+                message = await process.receive()
+        except TimeoutError:  # native code that does not return, and no run whose time ends it
+            _log.error("a worker process was not ready within %g s, and is ended", LONGEST_START)
+            process.kill()
+            message = None
         except asyncio.CancelledError:
             process.kill()
             await asyncio.shield(process.end())

@@ -15,8 +15,11 @@ import pytest
 from planning.errors import Canceled, GoalUnreachable
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outcome import Crashed, MemoryExceeded, Raised, Returned, Terminated, TimedOut
+from service.jobs.worker import process_worker
 from service.jobs.worker.assignment import Assignment
 from service.jobs.worker.main import Terms
+from service.jobs.worker.process import WorkerProcess
+from service.jobs.worker.process_worker import ProcessWorker
 from tests.service.jobs.conftest import GUARD, TASKS, WARM_UP
 from tests.service.jobs.remote.machines import KINDS, workers
 
@@ -303,6 +306,29 @@ def test_a_warm_up_that_kills_its_process_is_survived(kind):
         await worker.close()
 
     asyncio.run(story())
+
+
+def test_a_process_that_hangs_before_it_is_ready_is_replaced(monkeypatch):
+    start, asked = WorkerProcess.start, []
+
+    async def hanging_once(context, folder, warm_up, terms):
+        asked.append(warm_up)
+        return await start(context, folder, warm_up if len(asked) == 1 else None, terms)
+
+    async def story():
+        worker = ProcessWorker([TASKS])
+        await worker.open("fake.hang")
+        try:
+            async with asyncio.timeout(GUARD):
+                await worker.ready()
+            assert isinstance(await worker.run(run_of("echo")), Returned)
+        finally:
+            await worker.close()
+
+    monkeypatch.setattr(WorkerProcess, "start", hanging_once)
+    monkeypatch.setattr(process_worker, "LONGEST_START", 2.0)
+    asyncio.run(story())
+    assert len(asked) >= 2
 
 
 BOUND = 300 * 2**20
