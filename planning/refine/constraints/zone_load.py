@@ -27,6 +27,9 @@ _OUTER_RANGE, _INNER_RANGE = 0.015, 0.005
 _MIN_HALF_SIDE = 0.02
 # Parts per interval of the path velocity's grid.
 _NUM_PARTS = 4
+# Least speed over the limit for which a point outside is kept there, and the distance to the box
+# that is the unit of that [m].
+_MIN_SPEED_RATIO, _OUTSIDE_UNIT = 1.2, 0.1
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,46 @@ class ZoneLoad:
         squares = np.sum(by_root**2, axis=1, keepdims=True)
         rows = np.zeros_like(squares), squares
         return PathLoad(rows, np.zeros((len(q), 0)), by_root=by_root[:, None])
+
+    def edge(self, q: Array, v: Array) -> tuple[Array, Array, Array, Array] | None:
+        """Prototype: indices, ratios (k,), derivatives (3, k, nq), taken mask (m,)."""
+        local = self.box.origins_in_box(q)
+        margins = self.box.margins_at(local)
+        reach, span = _OUTER_RANGE * self._scale, (_OUTER_RANGE + _INNER_RANGE) * self._scale
+        taken = margins > -_INNER_RANGE * self._scale
+        near = np.flatnonzero(taken & (margins < reach + 0.7 * _OUTSIDE_UNIT))
+        if not len(near):
+            return None
+        q, v, local, margins = q[near], v[near], local[near], margins[near]
+        grads = self.box.kinematics.velocity_gradients(q, v)
+        if grads is None:
+            return None
+        jacobian = self.box.kinematics.velocity_jacobians(q)[:, 3:]
+        velocity = (jacobian @ v[:, :, None])[:, :, 0]
+        speed = np.linalg.norm(velocity, axis=1)
+        ratio = speed / self.speed
+        at = np.maximum(ratio, _MIN_SPEED_RATIO)
+        # weight(f) = 1 / at
+        f = 0.5 - np.sin(np.arcsin(1 - 2 / at) / 3)
+        slope = at**2 * 6 * f * (1 - f) / span   # d(at)/d(margin)
+        line = reach - f * span + (ratio - at) / slope
+        outside = margins >= line - 1e-12
+        values = 1 - (margins - line) / _OUTSIDE_UNIT
+        by_margin, by_ratio = np.full(len(q), -1 / _OUTSIDE_UNIT), 1 / slope / _OUTSIDE_UNIT
+        # in the band, slower than the line
+        fr = self._fractions(local)
+        w = self._weights_of(fr)
+        inner = ~outside
+        values[inner] = (w * ratio)[inner]
+        by_margin[inner] = (-6 * fr * (1 - fr) / span * ratio)[inner]
+        by_ratio[inner] = w[inner]
+        k = np.flatnonzero((values > 0.3) & (ratio > 0.5))
+        normals = self.box.gradients_at(local[k])
+        unit = velocity[k] / np.maximum(speed[k], 1e-12)[:, None] / self.speed
+        J = jacobian[k]
+        by_q = by_margin[k, None] * (normals[:, None] @ J)[:, 0] + by_ratio[k, None] * (unit[:, None] @ grads[k])[:, 0]
+        by_v = by_ratio[k, None] * (unit[:, None] @ J)[:, 0]
+        return near[k], values[k], np.stack([by_q, by_v, np.zeros_like(by_v)]), taken
 
     def static_load(self, q: Array) -> Array:
         """Return no columns: a frame at rest has no load."""

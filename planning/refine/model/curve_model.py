@@ -174,15 +174,11 @@ class CurveModel:
                     _PENALTY_RATIO * cost_per_sample,
                 )
             )
-        loads = tuple(self._load_rows(evaluation, radii))
-        return PenaltyQp(c, q, lower, upper, tuple(rows), distances, loads)
-
-    def _load_rows(self, evaluation: CurveEvaluation, radii: Array) -> list[PenaltyRows]:
-        layout = self._layout
-        return [
-            load_linearization.rows(layout.control_points, layout.path_velocity, radii)
-            for load_linearization in evaluation.load_linearizations
-        ]
+        layout, linearizations = self._layout, evaluation.load_linearizations
+        columns = layout.control_points, layout.path_velocity, radii
+        loads = tuple(part.rows(*columns) for part in linearizations if not part.are_vectors)
+        balls = tuple(part.balls(*columns) for part in linearizations if part.are_vectors)
+        return PenaltyQp(c, q, lower, upper, tuple(rows), distances, loads, balls)
 
     def _rate_rows(self, evaluation: CurveEvaluation, radii: Array) -> list[PenaltyRows]:
         derivatives = NormalizedDerivatives.of(self._grid, evaluation.points, self._bounds)

@@ -77,7 +77,7 @@ class LoadEvaluation:
             (load, part, samples[load.num_parts])
             for load, part in zip(self.loads, self.along, strict=True)
         ]
-        dynamic_loads = [LoadLinearization.of(*each) for each in all_loads]
+        dynamic_loads = [x for each in all_loads for x in (LoadLinearization.of_zone(*each) if hasattr(each[0], "edge") else (LoadLinearization.of(*each),))]
         static_loads = [LoadLinearization.of_static_load(*each, penalty) for each in all_loads]
         return (*dynamic_loads, *(each for each in static_loads if each is not None))
 
