@@ -43,7 +43,7 @@ def reuse_model(
     if previous is None or previous.drake.uses_kernel != kernel:
         return None
     before, static_objects = previous.drake, previous.drake.static_objects
-    if _model_digest(stored.scene, static_names) != _model_digest(
+    if model_digest(stored.scene, static_names) != model_digest(
         previous.scene, static_objects.rows
     ):
         return None
@@ -53,7 +53,7 @@ def reuse_model(
     if _are_same(things, static_objects.objects):
         model = _with_moved_objects(before, things, stored.scene.frames)
     else:
-        model = _with_other_objects(before, stored, static_names)
+        model = with_other_objects(before, stored, static_names)
     if model is None:
         return None
     robots = tuple(
@@ -63,7 +63,7 @@ def reuse_model(
     return model, robots
 
 
-def _model_digest(scene: Scene, static_names: Collection[str]) -> str:
+def model_digest(scene: Scene, static_names: Collection[str]) -> str:
     """Return the digest of all inputs of Drake's model."""
     return digest((
         [replace(robot, positions=None) for robot in scene.robots],
@@ -108,7 +108,7 @@ def _with_moved_objects(
     return after
 
 
-def _with_other_objects(
+def with_other_objects(
     before: DrakeModel, stored: StoredScene, static_names: frozenset[str]
 ) -> DrakeModel | None:
     """Return a model with the scene's objects outside of it; None where it has to be built."""
