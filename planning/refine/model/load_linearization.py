@@ -17,7 +17,7 @@ from planning.refine.model.penalty_rows import BallRows, PenaltyRows
 
 # Instants at which all load ratios are below the first have no rows, and sums below the second have
 # none, as rates have none.
-_MIN_LOAD_RATIO, _MIN_ROW_RATIO = 0.5, 0.3
+MIN_LOAD_RATIO, MIN_ROW_RATIO = 0.5, 0.3
 # The same for static loads, which change with the curve alone.
 _MIN_STATIC_LOAD_RATIO = 0.75
 # Largest change of a row's sum by a step, in units of its entries: b may grow by half.
@@ -55,25 +55,9 @@ class LoadLinearization:
             samples = samples.selected(np.flatnonzero(samples.fractions < 1))
         vectors = along.ratios(samples.grid_indices, samples.b, samples.u)
         squares = np.einsum("mbd,mbd->mb", vectors, vectors)
-        selected = np.flatnonzero((squares > _MIN_LOAD_RATIO**2).any(axis=1))
+        selected = np.flatnonzero((squares > MIN_LOAD_RATIO**2).any(axis=1))
         samples = samples.selected(selected)
         return cls(samples, vectors[selected], load.derivatives(*samples.motion))
-
-    @classmethod
-    def of_zone(cls, load, along, samples):
-        samples = samples.selected(np.flatnonzero(samples.fractions < 1))
-        q, v, _ = samples.motion
-        found = load.edge(q, v)
-        if found is None:
-            return (cls.of(load, along, samples),)
-        which, values, derivatives, taken = found
-        vectors = along.ratios(samples.grid_indices, samples.b, samples.u)
-        squares = np.einsum("mbd,mbd->mb", vectors, vectors)
-        mask = (squares > _MIN_LOAD_RATIO**2).any(axis=1) & ~taken
-        selected = np.flatnonzero(mask)
-        rest = samples.selected(selected)
-        normal = cls(rest, vectors[selected], load.derivatives(*rest.motion))
-        return normal, cls(samples.selected(which), values[:, None, None], derivatives[:, :, None, None], is_one_sided=True)
 
     @classmethod
     def of_static_load(
@@ -187,7 +171,7 @@ class LoadLinearization:
         # Both bounds of a row follow each other: rows of the same columns are one block.
         signs = np.array(_UPPER_SIGNS if self.is_one_sided else _BOTH_SIGNS)
         lower_bounds = signs * ratios[:, None] / self.bound - 1
-        least = np.maximum(-max_change, _MIN_ROW_RATIO - 1)
+        least = np.maximum(-max_change, MIN_ROW_RATIO - 1)
         rows, chosen = np.nonzero(lower_bounds > least[:, None])
         row_values = -signs[chosen, None] * values[rows] / self.bound
         return PenaltyRows(columns[rows], row_values, lower_bounds[rows, chosen], self.penalty)

@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 
-from planning.domain.arrays import Array
-
 # Share of the largest change of a row that minimizers rarely exceed, and the change of a load over
 # its bound that they rarely exceed.
 _LIKELY_SHARE, _LIKELY_CHANGE = 0.25, 0.6
@@ -149,9 +147,7 @@ class BallRows:
 
     def selected(self, which: Any) -> "BallRows":
         """Return the selected balls."""
-        return BallRows(
-            self.columns[which], self.values[which], self.centers[which], self.penalty
-        )
+        return BallRows(self.columns[which], self.values[which], self.centers[which], self.penalty)
 
     @property
     def are_likely(self) -> Bool[np.ndarray, " m"]:
