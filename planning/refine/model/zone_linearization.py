@@ -18,6 +18,10 @@ from planning.refine.model.load_linearization import (
     LoadLinearization,
 )
 
+# Points in the box are taken at multiples of this fraction of an interval: speeds change little
+# between them.
+_INSIDE_FRACTION = 0.5
+
 
 def zone_linearizations(
     load: ZoneLoad, along: ZonePathLoad, samples: CurveSamples
@@ -43,7 +47,7 @@ def zone_linearizations(
     sums, by_margin, by_ratio = load.edge_rows(margins, ratios)
     is_inside = margins <= inner
     is_fast = ratios > MIN_LOAD_RATIO
-    inside = np.flatnonzero(is_inside & is_fast)
+    inside = np.flatnonzero(is_inside & is_fast & (near.fractions % _INSIDE_FRACTION == 0))
     edge = np.flatnonzero(~is_inside & is_fast & (sums > MIN_ROW_RATIO))
     gradients = _velocity_gradients(load, q, v)
     none = np.zeros_like(jacobians)
