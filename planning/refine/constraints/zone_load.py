@@ -32,6 +32,7 @@ _NUM_PARTS = 4
 EDGE_UNIT = 0.1
 # Least speed over the limit whose tangent is taken: at 1 it allows no other speed.
 _MIN_TANGENT_RATIO = 1.2
+# Rounding error of a distance at which a point is at its tangent [m].
 _ROUNDING = 1e-12
 
 

@@ -30,7 +30,8 @@ from planning.refine.model.curve_evaluator import CurveEvaluator
 from planning.refine.model.distance_rows import distance_rows, reachable_distances
 from planning.refine.model.native_steps import NativeSteps
 from planning.refine.model.path_velocity_constraints import RATE_PENALTY
-from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
+from planning.refine.model.penalty_qp import PenaltyQp
+from planning.refine.model.penalty_rows import PenaltyRows
 from planning.refine.model.variable_layout import make_variable_layout
 
 # Proximal weight: cost of moving one control point by half of the box's side, in durations. Many

@@ -122,7 +122,8 @@ class LoadLinearization:
     @cached_property
     def ratios(self) -> Array:
         """All components of the vectors, shape (m, rows)."""
-        return self.vectors.reshape(len(self.vectors), -1)
+        m, balls, dims = self.vectors.shape
+        return self.vectors.reshape(m, balls * dims)
 
     @cached_property
     def by_control_point(self) -> Array:
@@ -181,13 +182,14 @@ class LoadLinearization:
     ) -> tuple[Array, Indices]:
         """Return derivatives, (m, balls, dims, entries), and columns, (m, balls, entries)."""
         m, balls, dims = self.vectors.shape
-        by_control_point = (self.by_control_point * radii).reshape(m, balls * dims, -1)
-        values = np.concatenate([by_control_point, self.by_path_velocity], axis=2)
+        of_points = points[self.samples.control_points].reshape(m, 4 * points.shape[1])
         intervals = self.samples.intervals
-        of_points = points[self.samples.control_points].reshape(m, -1)
         of_velocities = path_velocity[np.stack([intervals, intervals + 1], axis=1)]
         columns = np.concatenate([of_points, of_velocities], axis=1)
+        by_control_point = self.by_control_point * radii
+        by_control_point = by_control_point.reshape(m, balls * dims, of_points.shape[1])
+        values = np.concatenate([by_control_point, self.by_path_velocity], axis=2)
         return (
-            values.reshape(m, balls, dims, -1),
+            values.reshape(m, balls, dims, columns.shape[1]),
             np.broadcast_to(columns[:, None], (m, balls, columns.shape[1])),
         )

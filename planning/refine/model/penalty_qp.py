@@ -119,7 +119,7 @@ class PenaltyQp:
             (self.c, self.q, self.lower, self.upper),
             compressed(self._all_rows),
             of_products,
-            _compressed_balls(self.balls) if self.balls else _NO_BALLS,
+            compressed_balls(self.balls) if self.balls else _NO_BALLS,
             *bounds_of(penalized),
             TOLERANCE,
             MAX_STEPS,
@@ -174,7 +174,7 @@ def compressed(rows: Sequence[PenaltyRows]) -> tuple[Any, Any, Array]:
     )
 
 
-def _compressed_balls(balls: Sequence[BallRows]) -> tuple[Any, ...]:
+def compressed_balls(balls: Sequence[BallRows]) -> tuple[Any, ...]:
     """Return balls as the kernel takes them: starts, columns, values and centers."""
     masks = [part.columns >= 0 for part in balls]
     counts = np.concatenate([mask.sum(axis=1) for mask in masks])

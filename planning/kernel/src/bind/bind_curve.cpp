@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "bind/arguments.hpp"
-#include "bind/ball_arguments.hpp"
 #include "bind/bind.hpp"
 #include "refine/convex_step.hpp"
 #include "refine/path_velocity.hpp"
@@ -246,8 +245,9 @@ void bind_curve(nb::module_& m) {
            nb::arg("tolerance"), nb::arg("max_steps"),
            "The largest squared path velocity of a curve, and the duration.")
       .def("step", &step, nb::arg("bounds"), nb::arg("points"), nb::arg("path_velocity"), nb::arg("layout"),
-           nb::arg("model_weights"), nb::arg("box"), nb::arg("rows"), nb::arg("balls"), nb::arg("margins"), nb::arg("tolerance"),
-           nb::arg("max_steps"), "The control points of a convex step, and the decrease that the model predicts.");
+           nb::arg("model_weights"), nb::arg("box"), nb::arg("rows"), nb::arg("balls"), nb::arg("margins"),
+           nb::arg("tolerance"), nb::arg("max_steps"),
+           "The control points of a convex step, and the decrease that the model predicts.");
 }
 
 }  // namespace wayproof

@@ -87,22 +87,25 @@ auto rows(const Instants& instants, const Doubles& ratios, const Doubles& deriva
     found = load_rows(at, load, columns, {half.begin(), half.end()}, is_static, is_one_sided);
   }
   const BallRows& in_balls = found.balls;
-  return nb::make_tuple(
-      nb::make_tuple(array_of(found.starts, found.starts.size()), array_of(found.columns, found.columns.size()),
-                     array_of(found.values, found.values.size()), array_of(found.least, found.least.size()),
-                     array_of(found.price, found.price.size())),
-      nb::make_tuple(array_of(in_balls.starts, in_balls.starts.size()), array_of(in_balls.columns, in_balls.columns.size()),
-                     array_of(in_balls.values, in_balls.values.size()), array_of(in_balls.centers, in_balls.centers.size()),
-                     array_of(found.ball_price, found.ball_price.size())));
+  return nb::make_tuple(nb::make_tuple(array_of(found.starts, found.starts.size()),
+                                       array_of(found.columns, found.columns.size()),
+                                       array_of(found.values, found.values.size()),
+                                       array_of(found.least, found.least.size()),
+                                       array_of(found.price, found.price.size())),
+                        nb::make_tuple(array_of(in_balls.starts, in_balls.starts.size()),
+                                       array_of(in_balls.columns, in_balls.columns.size()),
+                                       array_of(in_balls.values, in_balls.values.size()),
+                                       array_of(in_balls.centers, in_balls.centers.size()),
+                                       array_of(found.ball_price, found.ball_price.size())));
 }
 
 }  // namespace
 
 void bind_loads(nb::module_& m) {
-  m.def("load_rows", &rows, nb::arg("instants"), nb::arg("ratios"), nb::arg("derivatives"), nb::arg("layout"),
-        nb::arg("radii"), nb::arg("bound"), nb::arg("price"), nb::arg("is_static"),
-        nb::arg("is_one_sided"),
-        "Of a load within a convex step, rows that can bind and balls: starts, columns, values, bounds, prices of each.");
+  m.def(
+      "load_rows", &rows, nb::arg("instants"), nb::arg("ratios"), nb::arg("derivatives"), nb::arg("layout"),
+      nb::arg("radii"), nb::arg("bound"), nb::arg("price"), nb::arg("is_static"), nb::arg("is_one_sided"),
+      "Of a load within a convex step, rows that can bind and balls: starts, columns, values, bounds, prices of each.");
 }
 
 }  // namespace wayproof

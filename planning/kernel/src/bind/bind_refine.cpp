@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "bind/arguments.hpp"
-#include "bind/ball_arguments.hpp"
 #include "bind/bind.hpp"
 #include "checker/distance_query.hpp"
 #include "qp/penalty_qp.hpp"

@@ -12,6 +12,10 @@ constexpr double smallest_length = 1e-2;
 // What makes a unit vector's length 1 again: sqrt(1 + 1e-4) - 1.
 constexpr double offset = 4.9998750062496094e-05;
 
+double length_of(double x, double y, double z) {
+  return std::sqrt(x * x + y * y + z * z + smallest_length * smallest_length);
+}
+
 }  // namespace
 
 std::array<double, 3> BallRows::vector(std::size_t ball, const std::vector<double>& x) const {
@@ -24,7 +28,8 @@ std::array<double, 3> BallRows::vector(std::size_t ball, const std::vector<doubl
 }
 
 void BallRows::append(const BallRows& others, std::size_t ball) {
-  const auto begin = others.starts[ball], end = others.starts[ball + 1], first = static_cast<std::int64_t>(three) * begin;
+  const auto begin = others.starts[ball], end = others.starts[ball + 1],
+             first = static_cast<std::int64_t>(three) * begin;
   columns.insert(columns.end(), others.columns.begin() + begin, others.columns.begin() + end);
   values.insert(values.end(), others.values.begin() + first,
                 others.values.begin() + static_cast<std::int64_t>(three) * end);
@@ -34,7 +39,13 @@ void BallRows::append(const BallRows& others, std::size_t ball) {
 }
 
 BallBlocks::BallBlocks(const BallRows& balls)
-    : p_(balls), normals_(p_.centers.size()), inverse_lengths_(p_.size()), local_(p_.centers.size()), weights_(three * p_.centers.size()) {
+    : p_(balls),
+      vectors_(p_.centers.size()),
+      changes_(p_.centers.size()),
+      normals_(p_.centers.size()),
+      inverse_lengths_(p_.size()),
+      local_(p_.centers.size()),
+      weights_(three * p_.centers.size()) {
   const auto columns_of = [this](std::size_t k) { return p_.columns.data() + p_.starts[k]; };
   std::size_t begin = 0;
   while (begin < p_.size()) {
@@ -60,27 +71,28 @@ void BallBlocks::widen(std::vector<int>& first) const {
 
 void BallBlocks::move_to(const std::vector<double>& x, double* y) {
   for (Block& block : blocks_) {
-    block.rows.times(x.data(), &local_[three * block.begin]);
+    block.rows.times(x.data(), &vectors_[three * block.begin]);
     for (std::size_t k = block.begin; k < block.end; ++k) {
-      double* normal = &normals_[three * k];
-      double square = smallest_length * smallest_length;
-      for (std::size_t i = 0; i < three; ++i) {
-        normal[i] = p_.centers[three * k + i] + local_[three * k + i];
-        square += normal[i] * normal[i];
-      }
-      const double length = std::sqrt(square);
+      double *vector = &vectors_[three * k], *normal = &normals_[three * k];
+      for (std::size_t i = 0; i < three; ++i) vector[i] += p_.centers[three * k + i];
+      const double length = length_of(vector[0], vector[1], vector[2]);
       inverse_lengths_[k] = 1 / length;
-      for (std::size_t i = 0; i < three; ++i) normal[i] *= inverse_lengths_[k];
+      for (std::size_t i = 0; i < three; ++i) normal[i] = vector[i] * inverse_lengths_[k];
       y[k] = offset - length;
     }
   }
 }
 
+double BallBlocks::value_after(std::size_t ball, double share) const {
+  const double *v = &vectors_[three * ball], *w = &changes_[three * ball];
+  return offset - length_of(v[0] + share * w[0], v[1] + share * w[1], v[2] + share * w[2]);
+}
+
 void BallBlocks::times(const std::vector<double>& x, double* y) {
   for (Block& block : blocks_) {
-    block.rows.times(x.data(), &local_[three * block.begin]);
+    block.rows.times(x.data(), &changes_[three * block.begin]);
     for (std::size_t k = block.begin; k < block.end; ++k) {
-      const double *normal = &normals_[three * k], *along = &local_[three * k];
+      const double *normal = &normals_[three * k], *along = &changes_[three * k];
       y[k] = -(normal[0] * along[0] + normal[1] * along[1] + normal[2] * along[2]);
     }
   }

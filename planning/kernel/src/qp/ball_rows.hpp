@@ -36,6 +36,8 @@ class BallBlocks {
   void widen(std::vector<int>& first) const;
   // y = -|c + A x|; what is below is at this x.
   void move_to(const std::vector<double>& x, double* y);
+  // What `move_to` would give for a ball after a share of the step that `times` was last asked about.
+  double value_after(std::size_t ball, double share) const;
   // y = a x of the gradients a, and x += scale a' y.
   void times(const std::vector<double>& x, double* y);
   void add_transposed(const double* y, double scale, std::vector<double>& x);
@@ -50,7 +52,8 @@ class BallBlocks {
 
   const BallRows& p_;
   std::vector<Block> blocks_;
-  std::vector<double> normals_, inverse_lengths_;  // of c + A x: directions [balls][3], and one over the lengths
+  std::vector<double> vectors_, changes_;          // c + A x, and A x of `times`, [balls][3]
+  std::vector<double> normals_, inverse_lengths_;  // of vectors: directions [balls][3], and one over the lengths
   std::vector<double> local_, weights_;            // what is computed in
 };
 

@@ -132,12 +132,14 @@ class Search {
                            count;
       const double ratio = after / gap;
       aim(gap * std::max(ratio * ratio * ratio, 1e-6), true);
-      const double p_step = std::min(1.0, to_the_wall * reach(true)),
-                   d_step = std::min(1.0, to_the_wall * reach(false));
+      const double d_step = std::min(1.0, to_the_wall * reach(false));
+      const double p_step = within_balls(std::min(1.0, to_the_wall * reach(true)), d_step, gap * count);
       if (!is_finite(dx)) break;
       shortest = std::min(p_step, d_step);
       for (int i = 0; i < n; ++i) x[i] += p_step * dx[i];
       for (ComplementaryPairs* pair : {&low, &high, &over, &under}) pair->move(p_step, d_step);
+      // The rows of balls are kept exactly: their slacks take up what is not linear.
+      for (std::size_t k = num_linear; k < m; ++k) under.s[k] += shortfall(k - num_linear, p_step);
     }
     return {x, step, gap};
   }
@@ -205,6 +207,24 @@ class Search {
       high.dz[i] = (t_high[i] + high.z[i] * dx[i]) / high.s[i];
     }
     rows.steps(t_over.data(), t_under.data(), weight.data(), need.data(), along.data());
+  }
+
+  // How far a ball's value falls short of the linear one after a share of the step.
+  double shortfall(std::size_t ball, double share) const {
+    const double linear = balls.value_after(ball, 0) + share * along[num_linear + ball];
+    return std::max(0.0, linear - balls.value_after(ball, share));
+  }
+
+  // A step of at most this length after which what the lengths of vectors fall short of their linear values costs no
+  // more than the products of slacks and multipliers now: else steps go far along balls, and back.
+  double within_balls(double step, double dual_step, double products) const {
+    for (int halving = 0; halving < 10; ++halving, step /= 2) {
+      double cost = 0;
+      for (std::size_t k = num_linear; k < m; ++k)
+        cost += shortfall(k - num_linear, step) * (under.z[k] + dual_step * under.dz[k]);
+      if (cost <= products) break;
+    }
+    return step;
   }
 
   double reach(bool primal) const {

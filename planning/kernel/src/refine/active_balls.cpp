@@ -16,7 +16,8 @@ double length_of(const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] 
 
 // The largest change of a vector's length within the box, to first order.
 double reach_of(const BallRows& balls, std::size_t ball, const std::array<double, 3>& center, double length) {
-  const auto begin = static_cast<std::size_t>(balls.starts[ball]), end = static_cast<std::size_t>(balls.starts[ball + 1]);
+  const auto begin = static_cast<std::size_t>(balls.starts[ball]),
+             end = static_cast<std::size_t>(balls.starts[ball + 1]);
   const double *x = &balls.values[3 * begin], *y = x + (end - begin), *z = y + (end - begin);
   double reach = 0;
   for (std::size_t i = 0; i < end - begin; ++i)
