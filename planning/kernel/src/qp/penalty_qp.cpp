@@ -80,8 +80,10 @@ Skyline normal_matrix(int num_variables, const RowBlocks& rows, const BallBlocks
 // Rows a . x + e - w = least; w has the multiplier y, the shortfall e has price - y.
 class Search {
  public:
-  explicit Search(const PenaltyQp& program)
+  // Carefully: rows of balls are kept exactly, and steps are short where these are curved.
+  Search(const PenaltyQp& program, bool carefully)
       : p(program),
+        is_careful(carefully),
         n(p.num_variables),
         m(p.least.size()),
         num_linear(m - p.balls.size()),
@@ -133,13 +135,14 @@ class Search {
       const double ratio = after / gap;
       aim(gap * std::max(ratio * ratio * ratio, 1e-6), true);
       const double d_step = std::min(1.0, to_the_wall * reach(false));
-      const double p_step = within_balls(std::min(1.0, to_the_wall * reach(true)), d_step, gap * count);
+      double p_step = std::min(1.0, to_the_wall * reach(true));
+      if (is_careful) p_step = within_balls(p_step, d_step, gap * count);
       if (!is_finite(dx)) break;
       shortest = std::min(p_step, d_step);
       for (int i = 0; i < n; ++i) x[i] += p_step * dx[i];
       for (ComplementaryPairs* pair : {&low, &high, &over, &under}) pair->move(p_step, d_step);
-      // The rows of balls are kept exactly: their slacks take up what is not linear.
-      for (std::size_t k = num_linear; k < m; ++k) under.s[k] += shortfall(k - num_linear, p_step);
+      // Slacks take up what is not linear; else it is a residual, which the next step takes up.
+      for (std::size_t k = num_linear; is_careful && k < m; ++k) under.s[k] += shortfall(k - num_linear, p_step);
     }
     return {x, step, gap};
   }
@@ -233,6 +236,7 @@ class Search {
   }
 
   const PenaltyQp& p;
+  bool is_careful;
   int n;
   std::size_t m, num_linear;
   RowBlocks blocks;
@@ -248,7 +252,11 @@ class Search {
 
 PenaltySolution solve(PenaltyQp program, double tolerance, int max_steps) {
   scale_rows(program);
-  return Search(program).run(tolerance, max_steps);
+  PenaltySolution found = Search(program, false).run(tolerance, max_steps);
+  if (found.steps < max_steps || program.balls.size() == 0) return found;
+  // Steps went far along balls and back, as they may where little else holds them.
+  PenaltySolution other = Search(program, true).run(tolerance, max_steps);
+  return cost_of(program, other.x) < cost_of(program, found.x) ? other : found;
 }
 
 double cost_of(const PenaltyQp& program, const std::vector<double>& x) {
