@@ -93,7 +93,7 @@ class NativeSteps:
         return parts[0] if len(parts) == 1 else tuple(map(_joined, zip(*parts, strict=True)))
 
 
-def _joined(parts: tuple[tuple[Array, ...], ...]) -> tuple[Array, ...]:
+def _joined(parts: tuple[tuple[Array, ...], ...]) -> tuple[Any, ...]:
     """Return sparse rows one after another."""
     starts, *others = zip(*parts, strict=True)
     offsets = np.cumsum([0, *(part[-1] for part in starts)])

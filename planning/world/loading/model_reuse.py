@@ -12,6 +12,7 @@ from collections import OrderedDict
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from threading import Lock
+from typing import Any
 
 from planning.domain.scene.scene import Scene, SceneFrame, SceneObject
 from planning.domain.value import digest
@@ -215,7 +216,7 @@ def _key(stored: StoredScene, static_names: frozenset[str], *, kernel: bool) -> 
 
 def _clone(model: DrakeModel) -> DrakeModel:
     """Return the same model in a diagram of its own."""
-    diagram = model.diagram.Clone()
+    diagram: Any = model.diagram.Clone()
     plant = diagram.plant()
     frames = {name: plant.get_frame(frame.index()) for name, frame in model.frames.items()}
     return replace(
