@@ -249,6 +249,7 @@ class CurveGrid:
         model_weights: _Doubles,
         box: tuple[_Doubles, _Doubles, _Doubles],
         rows: tuple[_Integers, _Integers, _Doubles, _Doubles, _Doubles],
+        balls: tuple[_Integers, _Integers, _Doubles, _Doubles, _Doubles],
         margins: tuple[_Integers, _Doubles, _Integers, _Doubles, _Doubles, float],
         tolerance: float,
         max_steps: int,
@@ -344,11 +345,16 @@ def load_rows(
     bound: float,
     price: float,
     is_static: bool,
-) -> tuple[_Integers, _Integers, _Doubles, _Doubles, _Doubles]: ...
+    is_one_sided: bool,
+) -> tuple[
+    tuple[_Integers, _Integers, _Doubles, _Doubles, _Doubles],
+    tuple[_Integers, _Integers, _Doubles, _Doubles, _Doubles],
+]: ...
 def solve_penalty_qp(
     variables: tuple[_Doubles, _Doubles, _Doubles, _Doubles],
     rows: tuple[_Integers, _Integers, _Doubles],
     products: tuple[_Integers, _Doubles, _Doubles],
+    balls: tuple[_Integers, _Integers, _Doubles, _Doubles],
     least: _Doubles,
     price: _Doubles,
     tolerance: float,

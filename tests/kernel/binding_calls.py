@@ -190,7 +190,8 @@ def with_program(function: Callable[..., Any], **given: Any) -> Any:
     variables = tuple(given.pop(name) for name in ("c", "q_diagonal", "lower", "upper"))
     rows = tuple(given.pop(name) for name in ("starts", "columns", "values"))
     products = tuple(given.pop(name) for name in ("point_columns", "weights", "slopes"))
-    return function(variables=variables, rows=rows, products=products, **given)
+    balls = tuple(given.pop(f"ball_{name}") for name in ("starts", "columns", "values", "centers"))
+    return function(variables=variables, rows=rows, products=products, balls=balls, **given)
 
 
 def calls() -> dict[str, Call]:
@@ -327,8 +328,10 @@ def calls() -> dict[str, Call]:
             starts=(np.array([0, 1, 2]), OBJECT),
             columns=(np.array([0, 1]), INDICES), values=(ones, EXACT),
             point_columns=(np.array([[0]]), OBJECT), weights=(ones[None, :1], SIZING),
-            slopes=(ones[None], ANY), least=(np.zeros(3), SIZING),
-            price=(np.ones(3), EXACT), tolerance=(1e-6, ANY), max_steps=(20, ANY),
+            slopes=(ones[None], ANY), ball_starts=(np.array([0, 2]), OBJECT),
+            ball_columns=(np.array([0, 1]), INDICES), ball_values=(np.ones(6), EXACT),
+            ball_centers=(np.zeros(3), EXACT), least=(np.zeros(4), SIZING),
+            price=(np.ones(4), EXACT), tolerance=(1e-6, ANY), max_steps=(20, ANY),
         ),
     }  # fmt: skip
 

@@ -64,6 +64,9 @@ def curve_calls(module: Any) -> dict[str, Call]:
             radii=(ones, EXACT), lower=(-ones, EXACT), upper=(2 * ones, EXACT),
             starts=(np.array([0, 1]), OBJECT), columns=(np.array([0]), INDICES),
             values=(np.ones(1), EXACT), least=(np.zeros(1), SIZING), price=(np.ones(1), EXACT),
+            ball_starts=(np.array([0, 2]), OBJECT), ball_columns=(np.array([0, 1]), INDICES),
+            ball_values=(np.ones(6), EXACT), ball_centers=(np.zeros(3), EXACT),
+            ball_prices=(np.ones(1), EXACT),
             sample_points=(np.array([0, 2]), INDICES), weights=(np.full((2, 4), 0.25), EXACT),
             sample_indices=(np.array([0, 1, 1]), INDICES), margins=(np.full(3, 0.01), EXACT),
             gradients=(np.ones((3, SIZE)), EXACT), price_per_metre=(1.0, SCALAR),
@@ -82,6 +85,9 @@ def with_program(function: Callable[..., Any], **given: Any) -> Any:
         "layout": ("point_columns", "velocity_columns", "num_variables"),
         "box": ("radii", "lower", "upper"),
         "rows": ("starts", "columns", "values", "least", "price"),
+        "balls": (
+            "ball_starts", "ball_columns", "ball_values", "ball_centers", "ball_prices",
+        ),
         "margins": (
             "sample_points", "weights", "sample_indices", "margins", "gradients", "price_per_metre",
         ),

@@ -50,6 +50,7 @@ def load_calls(module: Any) -> dict[str, Call]:
             point_columns=(np.arange(-2, 8).clip(-1).reshape(5, 2), OBJECT),
             velocity_columns=(np.array([-1, 8, -1]), OBJECT), radii=(np.ones(2), EXACT),
             bound=(1.0, SCALAR), price=(1.0, SCALAR), is_static=(False, OBJECT),
+            is_one_sided=(False, OBJECT),
         ),
     }  # fmt: skip
 

@@ -26,7 +26,8 @@ from planning.refine.cars.segment_times import SegmentTimes
 from planning.refine.constraints.clearance_objective import ClearanceCost
 from planning.refine.constraints.distance_query import DistanceQuery, DistanceRows
 from planning.refine.curves.curve_evaluation import DISTANCE_PENALTY
-from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
+from planning.refine.model.penalty_qp import PenaltyQp
+from planning.refine.model.penalty_rows import PenaltyRows
 
 # Spacing of the samples at which distances are kept [m, and rad of another joint], and most samples
 # per segment.

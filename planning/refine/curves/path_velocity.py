@@ -22,7 +22,8 @@ from planning.refine.model.path_velocity_constraints import (
     RATE_PENALTY,
     PathVelocityConstraints,
 )
-from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
+from planning.refine.model.penalty_qp import PenaltyQp
+from planning.refine.model.penalty_rows import PenaltyRows
 
 _INTERVALS_PER_SPAN = 4
 # Number of rows above which the solver begins with a subset of them, and that subset's stride.

@@ -30,7 +30,8 @@ from planning.refine.model.curve_evaluator import CurveEvaluator
 from planning.refine.model.distance_rows import distance_rows, reachable_distances
 from planning.refine.model.native_steps import NativeSteps
 from planning.refine.model.path_velocity_constraints import RATE_PENALTY
-from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
+from planning.refine.model.penalty_qp import PenaltyQp
+from planning.refine.model.penalty_rows import PenaltyRows
 from planning.refine.model.variable_layout import make_variable_layout
 
 # Proximal weight: cost of moving one control point by half of the box's side, in durations. Many
@@ -174,15 +175,11 @@ class CurveModel:
                     _PENALTY_RATIO * cost_per_sample,
                 )
             )
-        loads = tuple(self._load_rows(evaluation, radii))
-        return PenaltyQp(c, q, lower, upper, tuple(rows), distances, loads)
-
-    def _load_rows(self, evaluation: CurveEvaluation, radii: Array) -> list[PenaltyRows]:
-        layout = self._layout
-        return [
-            load_linearization.rows(layout.control_points, layout.path_velocity, radii)
-            for load_linearization in evaluation.load_linearizations
-        ]
+        layout, linearizations = self._layout, evaluation.load_linearizations
+        columns = layout.control_points, layout.path_velocity, radii
+        loads = tuple(part.rows(*columns) for part in linearizations if not part.are_vectors)
+        balls = tuple(part.balls(*columns) for part in linearizations if part.are_vectors)
+        return PenaltyQp(c, q, lower, upper, tuple(rows), distances, loads, balls)
 
     def _rate_rows(self, evaluation: CurveEvaluation, radii: Array) -> list[PenaltyRows]:
         derivatives = NormalizedDerivatives.of(self._grid, evaluation.points, self._bounds)

@@ -5,7 +5,7 @@ import numpy as np
 from planning.domain.arrays import Array, Indices
 from planning.refine.constraints.distance_query import DistanceRows
 from planning.refine.curves.bspline_basis import BasisWeights
-from planning.refine.model.penalty_qp import ProductRows
+from planning.refine.model.penalty_rows import ProductRows
 
 
 def reachable_distances(distances: DistanceRows, radii: Array) -> Indices:

@@ -10,6 +10,7 @@ from planning.domain.arrays import Array
 from planning.refine.constraints.load import MAX_STATIC_LOAD, Load
 from planning.refine.constraints.path_load import PathLoad
 from planning.refine.constraints.rate_bounds import RateBounds
+from planning.refine.constraints.zone_load import ZoneLoad, ZonePathLoad
 from planning.refine.curves.curve_samples import CurveSamples, grid_weights
 from planning.refine.curves.native_grid import native_path_velocity
 from planning.refine.curves.path_velocity import (
@@ -19,6 +20,7 @@ from planning.refine.curves.path_velocity import (
 )
 from planning.refine.model.load_linearization import LoadLinearization
 from planning.refine.model.path_velocity_constraints import PathVelocityConstraints
+from planning.refine.model.zone_linearization import zone_linearizations
 
 # Penalty of static load beyond its largest value, per limit and grid point [s].
 _STATIC_LOAD_PENALTY = 10.0
@@ -77,9 +79,17 @@ class LoadEvaluation:
             (load, part, samples[load.num_parts])
             for load, part in zip(self.loads, self.along, strict=True)
         ]
-        dynamic_loads = [LoadLinearization.of(*each) for each in all_loads]
+        dynamic_loads = [part for each in all_loads for part in _linearizations(*each)]
         static_loads = [LoadLinearization.of_static_load(*each, penalty) for each in all_loads]
         return (*dynamic_loads, *(each for each in static_loads if each is not None))
+
+
+def _linearizations(
+    load: Load, along: PathLoad, samples: CurveSamples
+) -> tuple[LoadLinearization, ...]:
+    if isinstance(load, ZoneLoad) and isinstance(along, ZonePathLoad):
+        return zone_linearizations(load, along, samples)
+    return (LoadLinearization.of(load, along, samples),)
 
 
 def _sample_states(points: Float64[np.ndarray, "k nq"], num_parts: int) -> Array:

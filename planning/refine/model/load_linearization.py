@@ -13,18 +13,15 @@ from planning.refine.constraints.load import MAX_STATIC_LOAD, Load, difference_q
 from planning.refine.constraints.path_load import PathLoad
 from planning.refine.curves.curve_samples import CurveSamples
 from planning.refine.model.path_velocity_constraints import RATE_PENALTY
-from planning.refine.model.penalty_qp import PenaltyRows
+from planning.refine.model.penalty_rows import BallRows, PenaltyRows
 
 # Instants at which all load ratios are below the first have no rows, and sums below the second have
 # none, as rates have none.
-_MIN_LOAD_RATIO, _MIN_ROW_RATIO = 0.5, 0.3
+MIN_LOAD_RATIO, MIN_ROW_RATIO = 0.5, 0.3
 # The same for static loads, which change with the curve alone.
 _MIN_STATIC_LOAD_RATIO = 0.75
 # Largest change of a row's sum by a step, in units of its entries: b may grow by half.
 _MAX_CHANGE_FACTOR = 1.5
-# Angle between the normals of tangent planes and the vector itself [rad].
-_TILT_ANGLE = 0.4
-# A tangent plane bounds a ball on one side; a scalar is bounded on both.
 _UPPER_SIGNS, _BOTH_SIGNS = (1.0,), (1.0, -1.0)
 
 
@@ -36,6 +33,7 @@ class LoadLinearization:
         samples: The samples, m of them.
         vectors: Load ratios, vectors whose norms are bounded, shape (m, balls, dims).
         derivatives: Their derivatives by q, v and vdot, shape (3, m, balls, dims, nq).
+        is_one_sided: Whether numbers have no bound below.
         is_static: Whether they depend on the curve alone; each grid point is sampled once then.
         bound: Bound of the norms.
         penalty: Penalty of exceeding the bound by its own size, in durations.
@@ -44,6 +42,7 @@ class LoadLinearization:
     samples: CurveSamples
     vectors: Float64[np.ndarray, "m balls dims"]
     derivatives: Float64[np.ndarray, "3 m balls dims nq"]
+    is_one_sided: bool = False
     is_static: bool = False
     bound: float = 1.0
     penalty: float = RATE_PENALTY
@@ -56,7 +55,7 @@ class LoadLinearization:
             samples = samples.selected(np.flatnonzero(samples.fractions < 1))
         vectors = along.ratios(samples.grid_indices, samples.b, samples.u)
         squares = np.einsum("mbd,mbd->mb", vectors, vectors)
-        selected = np.flatnonzero((squares > _MIN_LOAD_RATIO**2).any(axis=1))
+        selected = np.flatnonzero((squares > MIN_LOAD_RATIO**2).any(axis=1))
         samples = samples.selected(selected)
         return cls(samples, vectors[selected], load.derivatives(*samples.motion))
 
@@ -81,10 +80,10 @@ class LoadLinearization:
     def native_rows(
         self, points: Indices, path_velocity: Indices, radii: Array
     ) -> tuple[Array, ...] | None:
-        """Return the rows that can bind within a step by the kernel, as it takes them.
+        """Return rows that can bind within a step and balls by the kernel, as it takes them.
 
-        Starts, columns, values, least sums and penalties; None if there are no rows. Arguments are
-        those of `rows`, which is the reference.
+        Starts, columns, values, bounds and penalties of each; None if there is no load. Arguments
+        are those of `rows` and `balls`, which are the reference.
         """
         if not self.vectors.size:
             return None
@@ -98,6 +97,7 @@ class LoadLinearization:
             self.bound,
             self.penalty,
             self.is_static,
+            self.is_one_sided,
         )
 
     @cached_property
@@ -114,15 +114,20 @@ class LoadLinearization:
             samples.step,
         )
 
+    @property
+    def are_vectors(self) -> bool:
+        """Whether the loads are vectors, whose lengths are bounded, and not numbers."""
+        return self.vectors.shape[2] > 1
+
     @cached_property
     def ratios(self) -> Array:
-        """Sums to bound: components of the vectors along normals, shape (m, rows)."""
-        products = np.einsum("mbrd,mbd->mbr", self._normals, self.vectors)
-        return products.reshape(len(products), products.shape[1] * products.shape[2])
+        """All components of the vectors, shape (m, rows)."""
+        m, balls, dims = self.vectors.shape
+        return self.vectors.reshape(m, balls * dims)
 
     @cached_property
     def by_control_point(self) -> Array:
-        """Derivatives of the sums by coordinates of control points, shape (m, rows, 4, nq)."""
+        """Derivatives of the components by coordinates of control points, (m, rows, 4, nq)."""
         return self.samples.by_control_point(*self._row_derivatives)
 
     @cached_property
@@ -133,73 +138,58 @@ class LoadLinearization:
 
     @cached_property
     def is_selected(self) -> Flags:
-        """Mask of the rows to use, without duplicates, shape (m, rows)."""
+        """Mask of the balls to use, without duplicates, shape (m, balls)."""
         if self.is_static:
-            return np.ones_like(self.ratios, dtype=bool)
-        # Rows that do not depend on u are equal on both sides of a grid point.
-        by_vdot = self._row_derivatives[2]
-        return by_vdot.any(axis=2) | (self.samples.fractions < 1)[:, None]
-
-    @cached_property
-    def _normals(self) -> Array:
-        return _normals(self.vectors)
+            return np.ones(self.vectors.shape[:2], dtype=bool)
+        # Those that do not depend on u are equal on both sides of a grid point.
+        by_vdot = self.derivatives[2]
+        return by_vdot.any(axis=(2, 3)) | (self.samples.fractions < 1)[:, None]
 
     @cached_property
     def _row_derivatives(self) -> tuple[Array, ...]:
-        """Derivatives of the sums by q, v and vdot, each of shape (m, rows, nq)."""
-        return tuple(
-            np.einsum("mbrd,mbdj->mbrj", self._normals, part).reshape(
-                *self.ratios.shape, part.shape[-1]
-            )
-            for part in self.derivatives
-        )
+        """Derivatives of the components by q, v and vdot, each of shape (m, rows, nq)."""
+        return tuple(part.reshape(*self.ratios.shape, part.shape[-1]) for part in self.derivatives)
+
+    def balls(self, points: Indices, path_velocity: Indices, radii: Array) -> BallRows:
+        """Return a ball for each vector; arguments are those of `rows`."""
+        values, columns = self._entries(points, path_velocity, radii)
+        chosen = self.is_selected
+        centers = self.vectors[chosen] / self.bound
+        return BallRows(columns[chosen], values[chosen] / self.bound, centers, self.penalty)
 
     def rows(self, points: Indices, path_velocity: Indices, radii: Array) -> PenaltyRows:
-        """Return the rows that can bind within a step.
+        """Return the rows of numbers that can bind within a step.
 
         Args:
             points: Columns of the control points' coordinates, shape (k, nq).
             path_velocity: Columns of b, shape (n + 1,).
             radii: Half of the box's sides around control points, shape (nq,).
         """
-        m, num_ratios = self.ratios.shape
-        by_control_point = (self.by_control_point * radii).reshape(m, num_ratios, 4 * len(radii))
-        values = np.concatenate([by_control_point, self.by_path_velocity], axis=2)[self.is_selected]
-        path_velocity_columns = np.stack(
-            [path_velocity[self.samples.intervals], path_velocity[self.samples.intervals + 1]],
-            axis=-1,
-        )
-        control_point_columns = points[self.samples.control_points].reshape(m, 4 * points.shape[1])
-        columns = np.repeat(
-            np.concatenate([control_point_columns, path_velocity_columns], axis=1),
-            self.is_selected.sum(axis=1),
-            axis=0,
-        )
+        all_values, all_columns = self._entries(points, path_velocity, radii)
+        values, columns = all_values[self.is_selected][:, 0], all_columns[self.is_selected]
         ratios = self.ratios[self.is_selected]
         max_change = _MAX_CHANGE_FACTOR * np.abs(values).sum(axis=1) / self.bound
         # Both bounds of a row follow each other: rows of the same columns are one block.
-        signs = np.array(_BOTH_SIGNS if self.vectors.shape[2] == 1 else _UPPER_SIGNS)
+        signs = np.array(_UPPER_SIGNS if self.is_one_sided else _BOTH_SIGNS)
         lower_bounds = signs * ratios[:, None] / self.bound - 1
-        least = np.maximum(-max_change, _MIN_ROW_RATIO - 1)
+        least = np.maximum(-max_change, MIN_ROW_RATIO - 1)
         rows, chosen = np.nonzero(lower_bounds > least[:, None])
         row_values = -signs[chosen, None] * values[rows] / self.bound
         return PenaltyRows(columns[rows], row_values, lower_bounds[rows, chosen], self.penalty)
 
-
-def _normals(vectors: Float64[np.ndarray, "m balls dims"]) -> Float64[np.ndarray, "m balls k dims"]:
-    """Return outward normals of planes tangent to the unit ball near the vectors' directions.
-
-    The first is along the vector and linearizes its length; those around it keep a step from moving
-    far along the first plane, where it would leave the ball.
-    """
-    if vectors.shape[2] == 1:
-        return np.ones((*vectors.shape, 1))
-    length = np.linalg.norm(vectors, axis=2, keepdims=True)
-    direction = np.where(length > 0, vectors, np.eye(3)[0]) / np.where(length > 0, length, 1.0)
-    smallest_axis = np.eye(3)[np.abs(direction).argmin(axis=2)]
-    side = np.cross(direction, smallest_axis)
-    side /= np.linalg.norm(side, axis=2, keepdims=True)
-    second_side = np.cross(direction, side)
-    tangents = np.stack([side, second_side, -side, -second_side], axis=2)
-    tilted = np.cos(_TILT_ANGLE) * direction[:, :, None] + np.sin(_TILT_ANGLE) * tangents
-    return np.concatenate([direction[:, :, None], tilted], axis=2)
+    def _entries(
+        self, points: Indices, path_velocity: Indices, radii: Array
+    ) -> tuple[Array, Indices]:
+        """Return derivatives, (m, balls, dims, entries), and columns, (m, balls, entries)."""
+        m, balls, dims = self.vectors.shape
+        of_points = points[self.samples.control_points].reshape(m, 4 * points.shape[1])
+        intervals = self.samples.intervals
+        of_velocities = path_velocity[np.stack([intervals, intervals + 1], axis=1)]
+        columns = np.concatenate([of_points, of_velocities], axis=1)
+        by_control_point = self.by_control_point * radii
+        by_control_point = by_control_point.reshape(m, balls * dims, of_points.shape[1])
+        values = np.concatenate([by_control_point, self.by_path_velocity], axis=2)
+        return (
+            values.reshape(m, balls, dims, columns.shape[1]),
+            np.broadcast_to(columns[:, None], (m, balls, columns.shape[1])),
+        )

@@ -73,7 +73,7 @@ class NativeSteps:
             self._layout,
             self._model_weights,
             (radii, *self._limits),
-            self._load_rows(evaluation, radii),
+            *self._load_rows(evaluation, radii),
             margins,
             TOLERANCE,
             MAX_STEPS,
@@ -81,7 +81,7 @@ class NativeSteps:
         return step
 
     def _load_rows(self, evaluation: CurveEvaluation, radii: Array) -> tuple[Any, ...]:
-        """Return starts, columns, values, least sums and prices of the rows of all loads."""
+        """Return rows and balls of all loads: starts, columns, values, bounds, prices of each."""
         points, path_velocity, _ = self._layout
         parts = [
             rows
@@ -89,13 +89,13 @@ class NativeSteps:
             if (rows := linearization.native_rows(points, path_velocity, radii)) is not None
         ]
         if not parts:
-            return _NO_ROWS
-        if len(parts) == 1:
-            return parts[0]
-        starts, columns, values, least, prices = zip(*parts, strict=True)
-        offsets = np.cumsum([0, *(part[-1] for part in starts)])
-        begins = [part[:-1] + begin for part, begin in zip(starts, offsets, strict=False)]
-        return (
-            np.concatenate([*begins, offsets[-1:]]),
-            *(np.concatenate(part) for part in (columns, values, least, prices)),
-        )
+            return _NO_ROWS, _NO_ROWS
+        return parts[0] if len(parts) == 1 else tuple(map(_joined, zip(*parts, strict=True)))
+
+
+def _joined(parts: tuple[tuple[Array, ...], ...]) -> tuple[Any, ...]:
+    """Return sparse rows one after another."""
+    starts, *others = zip(*parts, strict=True)
+    offsets = np.cumsum([0, *(part[-1] for part in starts)])
+    begins = [part[:-1] + begin for part, begin in zip(starts, offsets, strict=False)]
+    return np.concatenate([*begins, offsets[-1:]]), *map(np.concatenate, others)

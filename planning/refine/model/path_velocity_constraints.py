@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.arrays import Array, Indices
-from planning.refine.model.penalty_qp import PenaltyRows
+from planning.refine.model.penalty_rows import PenaltyRows
 
 # Penalty of exceeding a limit by its own size, in durations.
 RATE_PENALTY = 10.0

@@ -13,7 +13,8 @@ from planning.domain.arrays import Array, Indices
 from planning.refine.constraints.distance_query import DistanceRows
 from planning.refine.curves.bspline_basis import basis_weights, greville_abscissae
 from planning.refine.model.distance_rows import distance_rows
-from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
+from planning.refine.model.penalty_qp import PenaltyQp
+from planning.refine.model.penalty_rows import PenaltyRows
 from planning.refine.motion.load_rows import LoadRows
 from planning.refine.motion.motion_cost import LEAST_COST
 from planning.refine.motion.motion_program import MotionTask

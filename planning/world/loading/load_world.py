@@ -12,7 +12,7 @@ from planning.world.files.stored_scene import StoredScene, store_files
 from planning.world.kernel.kernel_scene import kernel_scene_of
 from planning.world.kernel.kernel_tree import kernel_chain
 from planning.world.loading.builder import build_diagram
-from planning.world.loading.model_reuse import reuse_model
+from planning.world.loading.model_reuse import copied_model, keep_model, reuse_model
 from planning.world.loading.scene_build import LoadedRobot
 from planning.world.loading.static_build import static_object_names
 from planning.world.mechanics.grippers import require_gripper
@@ -81,8 +81,12 @@ def _build(
 ) -> tuple[DrakeModel, tuple[LoadedRobot, ...]]:
     """Return the scene in Drake; static objects stay outside if the kernel has their shapes."""
     if static_names:
+        copied = copied_model(stored, static_names, kernel=kernel)
+        if copied is not None:
+            return copied
         model, robots = build_diagram(stored, static_names, kernel=kernel)
         if kernel_scene_of(model) is not None and not has_moving_half_space(model):
+            keep_model(stored, static_names, model, robots)
             return model, robots
     _validate_num_objects(stored.scene)
     return build_diagram(stored, kernel=kernel)

@@ -1,11 +1,18 @@
-"""Reuse of a loaded world's Drake model for a scene with the same robots and attached objects.
+"""Reuse of Drake models for scenes with the same robots and attached objects.
 
 Drake's model depends on these alone: all other objects are in our own tables, and robot positions
-are a state.
+are a state. A world shares the model of a given world (`reuse_model`), or has a copy of one that
+the process has built before (`copied_model`). Parsing robots and computing convex hulls of meshes
+is most of what loading a scene takes; Drake clones a diagram within a millisecond. Of each of the
+last few models a clone is kept that nothing else refers to, as it was before its first query, and
+worlds get clones of that: no two of them share an engine.
 """
 
+from collections import OrderedDict
 from collections.abc import Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from threading import Lock
+from typing import Any
 
 from planning.domain.scene.scene import Scene, SceneFrame, SceneObject
 from planning.domain.value import digest
@@ -19,6 +26,21 @@ from planning.world.loading.scene_build import LoadedRobot
 from planning.world.loading.start_warnings import copy_start_warnings
 from planning.world.loading.static_build import make_static_objects, static_frames, transforms
 from planning.world.world import World
+
+# Number of models that are kept: a worker plans for the robots of a few cells.
+_MAX_MODELS = 4
+
+
+@dataclass(frozen=True)
+class _Built:
+    """What the builder returned: a model that nothing else refers to, and its robots."""
+
+    model: DrakeModel
+    robots: tuple[LoadedRobot, ...]
+
+
+_lock = Lock()
+_built: OrderedDict[str, _Built] = OrderedDict()
 
 
 def reuse_model(
@@ -129,3 +151,74 @@ def _with_other_objects(
     if static_names and (kernel_scene_of(after) is None or has_moving_half_space(after)):
         return None  # Drake has to have the objects
     return after
+
+
+def keep_model(
+    stored: StoredScene,
+    static_names: frozenset[str],
+    model: DrakeModel,
+    robots: tuple[LoadedRobot, ...],
+) -> None:
+    """Keep a clone of a model that was just built.
+
+    Args:
+        stored: The scene that it was built of.
+        static_names: Names of the objects that are outside of it.
+        model: Model before its first query.
+        robots: Robots of the scene.
+    """
+    key = _key(stored, static_names, kernel=model.uses_kernel)
+    kept = _Built(_clone(model), robots)
+    with _lock:
+        _built[key] = kept
+        _built.move_to_end(key)
+        while len(_built) > _MAX_MODELS:
+            _built.popitem(last=False)
+
+
+def copied_model(
+    stored: StoredScene, static_names: frozenset[str], *, kernel: bool
+) -> tuple[DrakeModel, tuple[LoadedRobot, ...]] | None:
+    """Return a copy of a kept model with the objects of a scene, and its robots.
+
+    None if none was built of the same, or if the builder has to say what is wrong with the scene.
+
+    Args:
+        stored: The scene, with its files.
+        static_names: Names of the objects that are kept outside of Drake's model.
+        kernel: Whether the native kernel may decide collisions.
+
+    Raises:
+        SceneInvalid: An object does not load, or there are too many.
+        ModelInvalid: A mesh refers to elements outside of its file.
+        AssetNotFound: The file of a mesh does not exist any more.
+    """
+    key = _key(stored, static_names, kernel=kernel)
+    with _lock:
+        kept = _built.get(key)
+        if kept is None:
+            return None
+        _built.move_to_end(key)
+        copy = _clone(kept.model)
+    model = _with_other_objects(copy, stored, static_names)
+    if model is None:
+        return None
+    robots = tuple(
+        replace(loaded, scene_robot=robot)
+        for loaded, robot in zip(kept.robots, stored.scene.robots, strict=True)
+    )
+    return model, robots
+
+
+def _key(stored: StoredScene, static_names: frozenset[str], *, kernel: bool) -> str:
+    return f"{kernel} {_model_digest(stored.scene, static_names)}"
+
+
+def _clone(model: DrakeModel) -> DrakeModel:
+    """Return the same model in a diagram of its own."""
+    diagram: Any = model.diagram.Clone()
+    plant = diagram.plant()
+    frames = {name: plant.get_frame(frame.index()) for name, frame in model.frames.items()}
+    return replace(
+        model, diagram=diagram, plant=plant, scene_graph=diagram.scene_graph(), frames=frames
+    )

@@ -11,6 +11,7 @@ from planning.domain.request.motion_limits import MotionLimits, ToolLimit
 from planning.domain.request.options import RetimeOptions
 from planning.refine.constraints.load import MAX_STATIC_LOAD
 from planning.refine.constraints.request_bounds import request_bounds
+from planning.refine.constraints.zone_load import ZoneLoad
 from planning.refine.curves.bspline_basis import make_bspline
 from planning.refine.curves.curve_samples import CurveSamples
 from planning.refine.curves.path_velocity import NormalizedDerivatives, duration_of, path_grid
@@ -99,9 +100,10 @@ def test_linearizations_predict_the_loads_of_nearby_motions(name, kind, seed):
     bounds = bounds_under(name, limits_of(name, kind))
     points = curve_points(name, rng)
     path_velocity, evaluation = path_velocity_along(points, bounds)
-    (linearization,) = [
+    # The second one of a zone is of its edge: `test_rows_at_a_zones_edge...`.
+    linearization = next(
         s for s in evaluation.load_linearizations(path_velocity, 1.0) if s.bound == 1.0
-    ]
+    )
     assume(len(linearization.samples.grid_indices) > 0)
     moved, faster, h = rng.normal(size=points.shape), rng.normal(size=len(path_velocity)), 1e-6
     after = LoadEvaluation.of(points + h * moved, bounds.loads)
@@ -119,14 +121,80 @@ def test_linearizations_predict_the_loads_of_nearby_motions(name, kind, seed):
         faster[linearization.samples.intervals[:, None] + [0, 1]],
     )
     place = linearization.samples.intervals + linearization.samples.grid_indices
-    # The first plane of a ball is tangent in the vector's direction; torques have a sign.
-    balls = change.shape[1]
-    predicted = predicted.reshape(len(place), balls, -1)[:, :, 0]
-    now = linearization.ratios.reshape(len(place), balls, -1)[:, :, 0]
-    large = np.abs(now) > 0.1
-    signed = np.sign(now) * predicted
+    now = np.linalg.norm(linearization.vectors, axis=2)
+    large = now > 0.1
+    # To first order a length changes along its vector.
+    products = linearization.vectors * predicted.reshape(linearization.vectors.shape)
+    signed = products.sum(axis=2) / np.where(large, now, 1.0)
     scale = 1 + np.abs(predicted).max()
     np.testing.assert_allclose(signed[large], change[place][large], atol=1e-3 * scale)
+
+
+def zone_load(name: str) -> ZoneLoad:
+    (load,) = bounds_under(name, limits_of(name, "zone")).loads
+    assert isinstance(load, ZoneLoad)
+    return load
+
+
+def weight_at(load: ZoneLoad, margins: np.ndarray) -> np.ndarray:
+    """Return the weight of a zone at signed margins, by its definition."""
+    inner, outer = load.edge_range
+    f = np.clip((outer - margins) / (outer - inner), 0.0, 1.0)
+    return f * f * (3 - 2 * f)
+
+
+@SOME
+@given(seed=SEEDS, ratio=st.floats(0.1, 8.0))
+def test_what_keeps_a_row_at_a_zones_edge_keeps_its_limit(seed: int, ratio: float) -> None:
+    load, rng = zone_load("ur5e"), np.random.default_rng(seed)
+    inner, outer = load.edge_range
+    # A point that keeps the limit, near a face or before it.
+    margin = rng.uniform(inner, outer + 0.08, 50)
+    ratios = np.minimum(ratio, 1 / np.maximum(weight_at(load, margin), 1e-9))
+    sums, by_margin, by_ratio = load.edge_rows(margin, ratios)
+    assert (sums <= 1 + 1e-9).all()
+    moved, faster = rng.uniform(-0.1, 0.1, (50, 50)), rng.uniform(-1, 3, (50, 50)) * ratio
+    after = np.maximum(ratios[:, None] + faster, 0.0)
+    rows = (
+        sums[:, None] + by_margin[:, None] * moved + by_ratio[:, None] * (after - ratios[:, None])
+    )
+    loads = weight_at(load, margin[:, None] + moved) * after
+    assert (loads[rows <= 1] <= 1 + 1e-6).all()
+    assert (rows <= 1).any()
+
+
+@pytest.mark.parametrize("name", list(ARMS))
+@SOME
+@given(seed=SEEDS)
+def test_rows_at_a_zones_edge_predict_margins_and_speeds(name: str, seed: int) -> None:
+    rng, load = np.random.default_rng(seed), zone_load(name)
+    bounds = bounds_under(name, limits_of(name, "zone"))
+    points = curve_points(name, rng)
+    path_velocity, evaluation = path_velocity_along(points, bounds)
+    edge = evaluation.load_linearizations(path_velocity, 1.0)[1]
+    assume(len(edge.samples.grid_indices) > 0)
+
+    def sums(h: float) -> np.ndarray:
+        after = LoadEvaluation.of(points + h * moved, bounds.loads)
+        states = after.states_by_num_parts[load.num_parts]
+        samples = CurveSamples.of(
+            len(points), states, path_velocity * (1 + h * faster), load.num_parts
+        )
+        q, v, _ = samples.motion
+        ratios = np.linalg.norm(load.box.kinematics.velocities(q, v), axis=1) / load.speed
+        found = load.edge_rows(load.box.signed_margins(q), ratios)[0]
+        return found[edge.samples.intervals + edge.samples.grid_indices]
+
+    moved, faster, h = rng.normal(size=points.shape), rng.normal(size=len(path_velocity)), 1e-6
+    change = (sums(h) - sums(-h)) / (2 * h)
+    predicted = np.einsum("mrkj,mkj->m", edge.by_control_point, moved[edge.samples.control_points])
+    predicted += np.einsum(
+        "mre,me->m", edge.by_path_velocity, faster[edge.samples.intervals[:, None] + [0, 1]]
+    )
+    np.testing.assert_allclose(sums(0.0), edge.ratios[:, 0], atol=1e-9)
+    # One of them may lie where another face becomes the nearest, or another tangent is taken.
+    off = np.sort(np.abs(predicted - change)) / (1 + np.abs(change).max())
+    assert off[: max(1, len(off) - 2)].max() < 1e-3
 
 
 @EACH
@@ -189,7 +257,7 @@ def test_a_load_that_is_nowhere_near_makes_no_rows():
     path_velocity, evaluation = path_velocity_along(points, bounds)
     for linearization in evaluation.load_linearizations(path_velocity, 1.0):
         numbers = np.arange(points.size).reshape(points.shape), np.arange(len(path_velocity))
-        assert len(linearization.rows(*numbers, np.ones(6)).lower_bounds) == 0
+        assert len(linearization.balls(*numbers, np.ones(6)).lower_bounds) == 0
 
 
 def test_joints_that_float_leave_loads_to_the_retimer():

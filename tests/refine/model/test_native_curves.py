@@ -20,7 +20,7 @@ from planning.refine.curves.path_velocity import (
 )
 from planning.refine.model.curve_model import CurveModel
 from planning.refine.model.load_evaluation import path_velocity_along
-from planning.refine.model.penalty_qp import bounds_of, compressed
+from planning.refine.model.penalty_qp import bounds_of, compressed, compressed_balls
 from planning.refine.model.variable_layout import make_variable_layout
 from tests.profiles import num_cases
 from tests.refine.arms import ARMS, KINDS, arm_of, bounds_under, curve_points, limits_of
@@ -101,12 +101,18 @@ def test_rows_of_loads_are_those_of_numpy(name, kind, seed, radius):
     columns = layout.control_points.astype(np.int64), layout.path_velocity.astype(np.int64)
     radii = radius * bounds.velocity
     for linearization in loads.load_linearizations(path_velocity, 1.0):
-        rows = linearization.rows(*columns, radii)
-        expected = *compressed([rows]), *bounds_of([rows])
+        if linearization.are_vectors:
+            balls = linearization.balls(*columns, radii)
+            expected = *compressed_balls([balls]), bounds_of([balls])[1]
+        else:
+            rows = linearization.rows(*columns, radii)
+            expected = *compressed([rows]), *bounds_of([rows])
         found = linearization.native_rows(*columns, radii)
-        assert (found is None) <= (len(rows.lower_bounds) == 0)
+        assert (found is None) <= (len(expected[-1]) == 0)
         if found is not None:
-            for part, wanted in zip(found, expected, strict=True):
+            of_this_kind, of_the_other = found[:: -1 if linearization.are_vectors else 1]
+            assert len(of_the_other[-1]) == 0
+            for part, wanted in zip(of_this_kind, expected, strict=True):
                 scale = np.abs(wanted).max(initial=1.0)
                 np.testing.assert_allclose(part, wanted, rtol=0, atol=1e-12 * scale)
 

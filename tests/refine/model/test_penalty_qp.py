@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planning.kernel.native import native
-from planning.refine.model.penalty_qp import _NO_PRODUCTS, PenaltyQp, PenaltyRows, ProductRows
+from planning.refine.model.penalty_qp import _NO_BALLS, _NO_PRODUCTS, PenaltyQp
+from planning.refine.model.penalty_rows import BallRows, PenaltyRows, ProductRows
 from tests.profiles import num_cases
 
 NATIVELY = pytest.mark.parametrize("natively", [True, False])
@@ -141,7 +142,7 @@ def test_blocks_of_many_columns_take_the_same_steps(seed: int, num_rows: int, nu
     products = np.tile(first, (num_rows, 1)), np.tile(weights, (num_rows, 1)), slopes
     for steps in (1, 3, 6):
         answers = [
-            module.solve_penalty_qp(variables, *given, least, price, 0.0, steps)[0]
+            module.solve_penalty_qp(variables, *given, _NO_BALLS, least, price, 0.0, steps)[0]
             for given in ((dense, _NO_PRODUCTS), ((*no_rows, np.zeros(0)), products))
         ]
         np.testing.assert_allclose(*answers, rtol=0, atol=1e-9)
@@ -212,3 +213,58 @@ def test_large_rows_beside_small_ones_are_solved(seed: int, decades: int) -> Non
     program = replace(program, rows=(wild, program.rows[1]))
     cost, reference = (program.cost(program.solve(use_kernel=k)) for k in (True, False))
     assert cost <= reference + 1e-3 * max(1.0, abs(reference))
+
+
+def random_balls(seed: int, num_variables: int, num_balls: int) -> BallRows:
+    """Return balls of some columns each, many of them left by the minimizer without them."""
+    rng = np.random.default_rng(seed)
+    blocks = np.sort(rng.integers(0, 4, num_balls))
+    columns = np.stack([rng.choice(num_variables, 5, replace=False) for _ in range(4)])
+    columns[rng.uniform(size=columns.shape) < 0.1] = -1
+    directions = rng.normal(size=(num_balls, 3))
+    lengths = rng.uniform(0.0, 1.2, (num_balls, 1))
+    centers = lengths * directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    return BallRows(columns[blocks], rng.normal(size=(num_balls, 3, 5)), centers, 0.7)
+
+
+@settings(max_examples=num_cases(8))
+@given(seed=st.integers(0, 2**32 - 1), num_balls=st.integers(1, 40))
+def test_vectors_in_balls_cost_the_least_too(seed: int, num_balls: int) -> None:
+    balls = random_balls(seed, 15, num_balls)
+    program = replace(random_program(seed, 15, 20), balls=(balls,))
+    ours, theirs = program.solve(), program.solve(use_kernel=False)
+    assert (ours >= program.lower - 1e-9).all()
+    assert (ours <= program.upper + 1e-9).all()
+    assert program.cost(ours) == pytest.approx(program.cost(theirs), abs=1e-5)
+    rng = np.random.default_rng(seed)
+    for other in rng.uniform(program.lower, program.upper, (20, 15)):
+        assert program.cost(ours) <= program.cost(other) + 1e-5
+
+
+@NATIVELY
+def test_a_vector_goes_as_far_as_its_ball(natively):
+    """The point of a disc that is the farthest along a direction, as one finds it by hand."""
+    direction = np.array([0.6, -0.8, 0.0])
+    values = np.eye(3)[None]
+    ball = BallRows(np.arange(3)[None], values, np.array([[0.2, 0.1, 0.0]]), 10.0)
+    far = PenaltyRows(np.array([[0]]), np.ones((1, 1)), np.array([-9.0]), 1.0)
+    three = np.full(3, 3.0)
+    program = PenaltyQp(-direction, 0 * three, -three, three, (far,), balls=(ball,))
+    x = program.solve(use_kernel=natively)
+    np.testing.assert_allclose(x, direction - [0.2, 0.1, 0.0], atol=1e-3)
+    assert np.abs(ball.violations(x)).max() < 1e-5
+
+
+@settings(max_examples=num_cases(6))
+@given(seed=st.integers(0, 2**32 - 1), num_balls=st.integers(1, 60))
+def test_balls_that_are_not_left_can_be_left_out(seed: int, num_balls: int) -> None:
+    box = np.ones(15)
+    program = replace(
+        random_program(seed, 15, 30),
+        balls=(random_balls(seed, 15, num_balls),),
+        lower=-box,
+        upper=box,
+        q=0.01 * box,
+    )
+    whole, active = program.solve(), program.solve_by_active_rows()
+    assert program.cost(active) == pytest.approx(program.cost(whole), rel=1e-5, abs=1e-5)

@@ -136,6 +136,21 @@ void require_starts(std::span<const std::int64_t> starts, std::size_t rows, std:
     refuse("starts do not rise from 0 to the number of entries, " + std::to_string(entries));
 }
 
+BallRows balls_of(const Balls& given, std::size_t num_variables) {
+  const auto& [starts, columns, values, centers] = given;
+  const auto begins = row(starts, "ball_starts"), of = row(columns, "ball_columns");
+  if (begins.empty()) refuse("ball_starts is empty");
+  const std::size_t count = begins.size() - 1;
+  require_starts(begins, count, of.size());
+  indices(of, num_variables, "ball_columns");
+  const auto numbers = finite(row(values, 3 * of.size(), "ball_values"), "ball_values");
+  const auto middles = finite(row(centers, 3 * count, "ball_centers"), "ball_centers");
+  return {{begins.begin(), begins.end()},
+          {of.begin(), of.end()},
+          {numbers.begin(), numbers.end()},
+          {middles.begin(), middles.end()}};
+}
+
 int link_or_world(std::int64_t value, const Scene& scene, const char* name) {
   return value == -1 ? -1 : index(value, scene.tree.links.size(), name);
 }

@@ -9,11 +9,13 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "bind/bind.hpp"
 #include "math/vec.hpp"
 #include "model/scene.hpp"
+#include "qp/ball_rows.hpp"
 
 namespace wayproof {
 
@@ -61,6 +63,9 @@ int index(std::int64_t value, std::size_t count, const char* name);
 std::vector<int> indices(std::span<const std::int64_t> values, std::size_t count, const char* name);
 // Starts of compressed sparse rows: from 0 on, none before the one before it, to the number of entries.
 void require_starts(std::span<const std::int64_t> starts, std::size_t rows, std::size_t entries);
+// Starts and columns of every ball of a program, values of its three components, one after another, and centers.
+using Balls = std::tuple<Integers, Integers, Doubles, Doubles>;
+BallRows balls_of(const Balls& given, std::size_t num_variables);
 // An index of the scene's links, or -1 for the world.
 int link_or_world(std::int64_t value, const Scene& scene, const char* name);
 

@@ -24,6 +24,8 @@ using Bounds = std::tuple<Doubles, Doubles, Doubles, Doubles>;
 using Margins = std::tuple<Integers, Doubles, Integers, Doubles, Doubles, double>;
 // Starts, columns, values, bounds and prices of rows.
 using Rows = std::tuple<Integers, Integers, Doubles, Doubles, Doubles>;
+// Starts, columns, values, centers and prices of balls.
+using BallsAndPrices = std::tuple<Integers, Integers, Doubles, Doubles, Doubles>;
 
 std::vector<double> copy_of(std::span<const double> numbers) { return {numbers.begin(), numbers.end()}; }
 
@@ -154,8 +156,11 @@ DistanceMargins margins_of(const Margins& given, std::size_t num_points, std::si
   return found;
 }
 
-MoreRows more_of(const Rows& given, std::size_t num_variables) {
+MoreRows more_of(const Rows& given, const BallsAndPrices& more, std::size_t num_variables) {
   const auto& [starts, columns, values, least, price] = given;
+  const auto& [ball_starts, ball_columns, ball_values, centers, ball_prices] = more;
+  BallRows balls = balls_of({ball_starts, ball_columns, ball_values, centers}, num_variables);
+  const std::size_t num_balls = balls.size();
   const auto begins = row(starts, "starts"), of = row(columns, "columns");
   const std::size_t rows = row(least, "least").size();
   require_starts(begins, rows, of.size());
@@ -164,7 +169,9 @@ MoreRows more_of(const Rows& given, std::size_t num_variables) {
           {of.begin(), of.end()},
           copy_of(finite(row(values, of.size(), "values"), "values")),
           copy_of(finite(row(least, "least"), "least")),
-          copy_of(finite(row(price, rows, "price"), "price"))};
+          copy_of(finite(row(price, rows, "price"), "price")),
+          std::move(balls),
+          copy_of(finite(row(ball_prices, num_balls, "ball_prices"), "ball_prices"))};
 }
 
 ModelWeights weights_of(const Doubles& given) {
@@ -174,8 +181,8 @@ ModelWeights weights_of(const Doubles& given) {
 
 auto step(const CurveGrid& grid, const Bounds& given, const Doubles& points, const Doubles& path_velocity,
           const std::tuple<Integers, Integers, std::int64_t>& layout, const Doubles& model_weights,
-          const std::tuple<Doubles, Doubles, Doubles>& box, const Rows& more, const Margins& margins, double tolerance,
-          int max_steps) {
+          const std::tuple<Doubles, Doubles, Doubles>& box, const Rows& more, const BallsAndPrices& balls,
+          const Margins& margins, double tolerance, int max_steps) {
   const RateBounds bounds = bounds_of(given);
   const std::size_t nq = bounds.coordinates();
   const auto at = points_of(grid, bounds, points);
@@ -186,7 +193,7 @@ auto step(const CurveGrid& grid, const Bounds& given, const Doubles& points, con
   const auto columns = columns_of(grid, nq, std::get<0>(layout), std::get<1>(layout), std::get<2>(layout));
   const auto weights = weights_of(model_weights);
   const auto around = box_of(box, nq);
-  const auto others = more_of(more, static_cast<std::size_t>(columns.num_variables));
+  const auto others = more_of(more, balls, static_cast<std::size_t>(columns.num_variables));
   const auto distances = margins_of(margins, grid.num_points, nq);
   if (max_steps < 0) refuse("max_steps is " + std::to_string(max_steps) + ", not 0 or more");
   ConvexStep found;
@@ -238,8 +245,9 @@ void bind_curve(nb::module_& m) {
            nb::arg("tolerance"), nb::arg("max_steps"),
            "The largest squared path velocity of a curve, and the duration.")
       .def("step", &step, nb::arg("bounds"), nb::arg("points"), nb::arg("path_velocity"), nb::arg("layout"),
-           nb::arg("model_weights"), nb::arg("box"), nb::arg("rows"), nb::arg("margins"), nb::arg("tolerance"),
-           nb::arg("max_steps"), "The control points of a convex step, and the decrease that the model predicts.");
+           nb::arg("model_weights"), nb::arg("box"), nb::arg("rows"), nb::arg("balls"), nb::arg("margins"),
+           nb::arg("tolerance"), nb::arg("max_steps"),
+           "The control points of a convex step, and the decrease that the model predicts.");
 }
 
 }  // namespace wayproof

@@ -67,7 +67,7 @@ LoadInstants instants_of(const Instants& given, const CurveColumns& columns, std
 }
 
 auto rows(const Instants& instants, const Doubles& ratios, const Doubles& derivatives, const Layout& layout,
-          const Doubles& radii, double bound, double price, bool is_static) {
+          const Doubles& radii, double bound, double price, bool is_static, bool is_one_sided) {
   const auto half = row(radii, "radii");
   for (double x : half) positive(x, "radii");
   const std::size_t nq = half.size();
@@ -84,19 +84,28 @@ auto rows(const Instants& instants, const Doubles& ratios, const Doubles& deriva
   MoreRows found;
   {
     nb::gil_scoped_release released;
-    found = load_rows(at, load, columns, {half.begin(), half.end()}, is_static);
+    found = load_rows(at, load, columns, {half.begin(), half.end()}, is_static, is_one_sided);
   }
-  return nb::make_tuple(array_of(found.starts, found.starts.size()), array_of(found.columns, found.columns.size()),
-                        array_of(found.values, found.values.size()), array_of(found.least, found.least.size()),
-                        array_of(found.price, found.price.size()));
+  const BallRows& in_balls = found.balls;
+  return nb::make_tuple(nb::make_tuple(array_of(found.starts, found.starts.size()),
+                                       array_of(found.columns, found.columns.size()),
+                                       array_of(found.values, found.values.size()),
+                                       array_of(found.least, found.least.size()),
+                                       array_of(found.price, found.price.size())),
+                        nb::make_tuple(array_of(in_balls.starts, in_balls.starts.size()),
+                                       array_of(in_balls.columns, in_balls.columns.size()),
+                                       array_of(in_balls.values, in_balls.values.size()),
+                                       array_of(in_balls.centers, in_balls.centers.size()),
+                                       array_of(found.ball_price, found.ball_price.size())));
 }
 
 }  // namespace
 
 void bind_loads(nb::module_& m) {
-  m.def("load_rows", &rows, nb::arg("instants"), nb::arg("ratios"), nb::arg("derivatives"), nb::arg("layout"),
-        nb::arg("radii"), nb::arg("bound"), nb::arg("price"), nb::arg("is_static"),
-        "The rows of a load that can bind within a convex step: starts, columns, values, least sums and prices.");
+  m.def(
+      "load_rows", &rows, nb::arg("instants"), nb::arg("ratios"), nb::arg("derivatives"), nb::arg("layout"),
+      nb::arg("radii"), nb::arg("bound"), nb::arg("price"), nb::arg("is_static"), nb::arg("is_one_sided"),
+      "Of a load within a convex step, rows that can bind and balls: starts, columns, values, bounds, prices of each.");
 }
 
 }  // namespace wayproof

@@ -64,8 +64,8 @@ ProductRows products_of(const std::tuple<Integers, Doubles, Doubles>& given, std
 
 auto solve_rows(const std::tuple<Doubles, Doubles, Doubles, Doubles>& variables,
                 const std::tuple<Integers, Integers, Doubles>& rows,
-                const std::tuple<Integers, Doubles, Doubles>& products, const Doubles& least, const Doubles& price,
-                double tolerance, int max_steps) {
+                const std::tuple<Integers, Doubles, Doubles>& products, const Balls& balls, const Doubles& least,
+                const Doubles& price, double tolerance, int max_steps) {
   const auto& [c, q, lower, upper] = variables;
   const auto& [starts, columns, values] = rows;
   const std::size_t count = row(c, "c").size(), num_rows = row(least, "least").size();
@@ -81,12 +81,14 @@ auto solve_rows(const std::tuple<Doubles, Doubles, Doubles, Doubles>& variables,
                     copy_of(values, entries, "values"),
                     {},
                     products_of(products, count),
+                    balls_of(balls, count),
                     copy_of(least, num_rows, "least"),
                     copy_of(price, num_rows, "price")};
   for (std::size_t i = 0; i < count; ++i)
     if (!(program.lower[i] < program.upper[i])) refuse("lower is not below upper at " + std::to_string(i));
-  if (program.products.rows() > num_rows) refuse("least has fewer numbers than there are products");
-  require_starts(program.starts, num_rows - program.products.rows(), entries);
+  const std::size_t num_others = program.products.rows() + program.balls.size();
+  if (num_others > num_rows) refuse("least has fewer numbers than there are products and balls");
+  require_starts(program.starts, num_rows - num_others, entries);
   indices(program.columns, count, "columns");
   PenaltySolution found;
   {
@@ -102,9 +104,9 @@ void bind_refine(nb::module_& m) {
   nb::class_<DistanceQuery>(m, "DistanceQuery", "Signed distances of near pairs, and their gradients.")
       .def("__init__", &make, nb::arg("scene"), nb::arg("positions"), nb::arg("velocities"), nb::arg("state"))
       .def("within", &within, nb::arg("qs"), nb::arg("reach"));
-  m.def("solve_penalty_qp", &solve_rows, nb::arg("variables"), nb::arg("rows"), nb::arg("products"), nb::arg("least"),
-        nb::arg("price"), nb::arg("tolerance"), nb::arg("max_steps"),
-        "Minimise c x + q x^2 / 2 + price max(0, least - A x) in a box; x, steps, gap.");
+  m.def("solve_penalty_qp", &solve_rows, nb::arg("variables"), nb::arg("rows"), nb::arg("products"), nb::arg("balls"),
+        nb::arg("least"), nb::arg("price"), nb::arg("tolerance"), nb::arg("max_steps"),
+        "Minimise c x + q x^2 / 2 + price max(0, least - A x) in a box, with -|c + A x| for balls; x, steps, gap.");
 }
 
 }  // namespace wayproof

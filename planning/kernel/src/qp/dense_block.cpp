@@ -42,14 +42,28 @@ template <std::size_t count, std::size_t chunks>
     for (std::size_t c = 0; c < chunks; ++c) store(square + i * stride + c * num_lanes, sums[i][c]);
 }
 
-// square = sum_r weight_r v_r v_r', where it is not above the diagonal. Four rows of it at once stay in registers
-// through all rows of the block.
 WAYPROOF_MULTIVERSION
-void row_squares(const double* values, std::size_t rows, std::size_t stride, const double* weight, double* scaled,
-                 double* square) {
+void scale_rows(const double* values, std::size_t rows, std::size_t stride, const double* weight, double* scaled) {
   for (std::size_t r = 0; r < rows; ++r)
     for (std::size_t j = 0; j < stride; j += num_lanes)
       store(scaled + r * stride + j, weight[r] * load(values + r * stride + j));
+}
+
+// Every three rows times a matrix [3][3].
+WAYPROOF_MULTIVERSION
+void mix_rows(const double* values, std::size_t rows, std::size_t stride, const double* weights, double* mixed) {
+  for (std::size_t r = 0; r < rows; r += 3, weights += 9, values += 3 * stride, mixed += 3 * stride)
+    for (std::size_t j = 0; j < stride; j += num_lanes) {
+      const Lanes x = load(values + j), y = load(values + stride + j), z = load(values + 2 * stride + j);
+      for (std::size_t i = 0; i < 3; ++i)
+        store(mixed + i * stride + j, (weights[3 * i] * x + weights[3 * i + 1] * y) + weights[3 * i + 2] * z);
+    }
+}
+
+// square = sum_r scaled_r v_r', where it is not above the diagonal. Four rows of it at once stay in registers through
+// all rows of the block.
+WAYPROOF_MULTIVERSION
+void row_squares(const double* values, std::size_t rows, std::size_t stride, const double* scaled, double* square) {
   for (std::size_t i = 0; i < stride; i += 4) {
     std::size_t j = 0;
     for (; j + num_lanes <= i; j += 2 * num_lanes)
@@ -93,7 +107,17 @@ void DenseBlock::add_transposed(const double* y, double scale, double* x) {
 }
 
 void DenseBlock::add_squares(const double* weight, Skyline& matrix) {
-  row_squares(values_.data(), rows_, stride_, weight, scaled_.data(), square_.data());
+  scale_rows(values_.data(), rows_, stride_, weight, scaled_.data());
+  add_square(matrix);
+}
+
+void DenseBlock::add_weighted_squares(const double* weights, Skyline& matrix) {
+  mix_rows(values_.data(), rows_, stride_, weights, scaled_.data());
+  add_square(matrix);
+}
+
+void DenseBlock::add_square(Skyline& matrix) {
+  row_squares(values_.data(), rows_, stride_, scaled_.data(), square_.data());
   for (std::size_t i = 0; i < width_; ++i)
     for (const Run& run : runs_) {
       if (run.begin > i) break;

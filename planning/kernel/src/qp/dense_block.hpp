@@ -19,8 +19,12 @@ class DenseBlock {
   void add_transposed(const double* y, double scale, double* x);
   // matrix += A' diag(weight) A.
   void add_squares(const double* weight, Skyline& matrix);
+  // The same with a symmetric weight for every three rows, [rows / 3][3][3].
+  void add_weighted_squares(const double* weights, Skyline& matrix);
 
  private:
+  void add_square(Skyline& matrix);
+
   // Columns in sequence: `count` of them, the first at `begin` in the block.
   struct Run {
     std::size_t begin, count;

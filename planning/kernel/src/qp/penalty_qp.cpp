@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
+#include <utility>
 
 #include "qp/pairs.hpp"
 #include "qp/row_blocks.hpp"
@@ -67,15 +69,27 @@ void scale_rows(PenaltyQp& program) {
   }
 }
 
+// Of the normal equations, all zero.
+Skyline normal_matrix(int num_variables, const RowBlocks& rows, const BallBlocks& balls) {
+  std::vector<int> first(static_cast<std::size_t>(num_variables));
+  std::iota(first.begin(), first.end(), 0);
+  rows.widen(first), balls.widen(first);
+  return Skyline(std::move(first));
+}
+
 // Rows a . x + e - w = least; w has the multiplier y, the shortfall e has price - y.
 class Search {
  public:
-  explicit Search(const PenaltyQp& program)
+  // Carefully: rows of balls are kept exactly, and steps are short where these are curved.
+  Search(const PenaltyQp& program, bool carefully)
       : p(program),
+        is_careful(carefully),
         n(p.num_variables),
         m(p.least.size()),
+        num_linear(m - p.balls.size()),
         blocks(p),
-        matrix(blocks.normal_matrix()),
+        balls(p.balls),
+        matrix(normal_matrix(n, blocks, balls)),
         x(n),
         rx(n),
         ry(m),
@@ -91,7 +105,7 @@ class Search {
       low.s[i] = x[i] - p.lower[i], high.s[i] = p.upper[i] - x[i];
       low.z[i] = start / low.s[i], high.z[i] = start / high.s[i];
     }
-    blocks.times(x, along);
+    values_at_x();
     for (std::size_t k = 0; k < m; ++k) {
       const double spare = along[k] - p.least[k], floor = 0.1;
       over.s[k] = std::max(spare, 0.0) + floor, under.s[k] = std::max(-spare, 0.0) + floor;
@@ -120,12 +134,15 @@ class Search {
                            count;
       const double ratio = after / gap;
       aim(gap * std::max(ratio * ratio * ratio, 1e-6), true);
-      const double p_step = std::min(1.0, to_the_wall * reach(true)),
-                   d_step = std::min(1.0, to_the_wall * reach(false));
+      const double d_step = std::min(1.0, to_the_wall * reach(false));
+      double p_step = std::min(1.0, to_the_wall * reach(true));
+      if (is_careful) p_step = within_balls(p_step, d_step, gap * count);
       if (!is_finite(dx)) break;
       shortest = std::min(p_step, d_step);
       for (int i = 0; i < n; ++i) x[i] += p_step * dx[i];
       for (ComplementaryPairs* pair : {&low, &high, &over, &under}) pair->move(p_step, d_step);
+      // Slacks take up what is not linear; else it is a residual, which the next step takes up.
+      for (std::size_t k = num_linear; is_careful && k < m; ++k) under.s[k] += shortfall(k - num_linear, p_step);
     }
     return {x, step, gap};
   }
@@ -133,12 +150,23 @@ class Search {
  private:
   static constexpr double start = 0.05;
 
+  // The left sides of rows, as `along`.
+  void values_at_x() {
+    blocks.times(x, along);
+    balls.move_to(x, along.data() + num_linear);
+  }
+
+  void add_transposed(const std::vector<double>& y, double scale, std::vector<double>& to) {
+    blocks.add_transposed(y, scale, to);
+    balls.add_transposed(y.data() + num_linear, scale, to);
+  }
+
   // rx: stationarity in x; ry: rows. The slacks of the box and the multipliers of the shortfalls are kept exact.
   double residuals() {
     double worst = 0;
+    values_at_x();
     for (int i = 0; i < n; ++i) rx[i] = p.c[i] + p.q[i] * x[i] - low.z[i] + high.z[i];
-    blocks.add_transposed(over.z, -1, rx);
-    blocks.times(x, along);
+    add_transposed(over.z, -1, rx);
     for (std::size_t k = 0; k < m; ++k) {
       ry[k] = along[k] + under.s[k] - over.s[k] - p.least[k];
       worst = std::max(worst, std::abs(ry[k]));
@@ -153,6 +181,7 @@ class Search {
     weight.resize(m);
     rows.weights(weight.data());
     blocks.add_squares(weight, matrix);
+    balls.add_squares(weight.data() + num_linear, over.z.data() + num_linear, matrix);
     matrix.factor();
   }
 
@@ -171,9 +200,10 @@ class Search {
     }
     rows.targets(mu, corrects, t_over.data(), t_under.data());
     rows.needs(ry.data(), t_over.data(), t_under.data(), weight.data(), need.data(), pull.data());
-    blocks.add_transposed(pull, 1, right);
+    add_transposed(pull, 1, right);
     matrix.solve(dx);
     blocks.times(dx, along);
+    balls.times(dx, along.data() + num_linear);
     for (int i = 0; i < n; ++i) {
       low.ds[i] = dx[i], high.ds[i] = -dx[i];
       low.dz[i] = (t_low[i] - low.z[i] * dx[i]) / low.s[i];
@@ -182,15 +212,35 @@ class Search {
     rows.steps(t_over.data(), t_under.data(), weight.data(), need.data(), along.data());
   }
 
+  // How far a ball's value falls short of the linear one after a share of the step.
+  double shortfall(std::size_t ball, double share) const {
+    const double linear = balls.value_after(ball, 0) + share * along[num_linear + ball];
+    return std::max(0.0, linear - balls.value_after(ball, share));
+  }
+
+  // A step of at most this length after which what the lengths of vectors fall short of their linear values costs no
+  // more than the products of slacks and multipliers now: else steps go far along balls, and back.
+  double within_balls(double step, double dual_step, double products) const {
+    for (int halving = 0; halving < 10; ++halving, step /= 2) {
+      double cost = 0;
+      for (std::size_t k = num_linear; k < m; ++k)
+        cost += shortfall(k - num_linear, step) * (under.z[k] + dual_step * under.dz[k]);
+      if (cost <= products) break;
+    }
+    return step;
+  }
+
   double reach(bool primal) const {
     const auto of = [primal](const ComplementaryPairs& pair) { return primal ? pair.reach_of_s() : pair.reach_of_z(); };
     return std::min({of(low), of(high), of(over), of(under)});
   }
 
   const PenaltyQp& p;
+  bool is_careful;
   int n;
-  std::size_t m;
+  std::size_t m, num_linear;
   RowBlocks blocks;
+  BallBlocks balls;
   Skyline matrix;
   std::vector<double> x, rx, ry, dx, along, weight, need, pull, t_low, t_high, t_over, t_under;
   ComplementaryPairs low, high;
@@ -202,7 +252,11 @@ class Search {
 
 PenaltySolution solve(PenaltyQp program, double tolerance, int max_steps) {
   scale_rows(program);
-  return Search(program).run(tolerance, max_steps);
+  PenaltySolution found = Search(program, false).run(tolerance, max_steps);
+  if (found.steps < max_steps || program.balls.size() == 0) return found;
+  // Steps went far along balls and back, as they may where little else holds them.
+  PenaltySolution other = Search(program, true).run(tolerance, max_steps);
+  return cost_of(program, other.x) < cost_of(program, found.x) ? other : found;
 }
 
 double cost_of(const PenaltyQp& program, const std::vector<double>& x) {
@@ -210,6 +264,7 @@ double cost_of(const PenaltyQp& program, const std::vector<double>& x) {
   for (std::size_t i = 0; i < x.size(); ++i) sum += x[i] * (program.c[i] + program.q[i] * x[i] / 2);
   std::vector<double> along;
   RowBlocks(program).times(x, along);
+  BallBlocks(program.balls).move_to(x, along.data() + (along.size() - program.balls.size()));
   for (std::size_t k = 0; k < along.size(); ++k) sum += program.price[k] * std::max(0.0, program.least[k] - along[k]);
   return sum;
 }

@@ -2,6 +2,7 @@
 //
 //   minimise  c . x + 1/2 sum_i q_i x_i^2 + sum_k price_k max(0, least_k - a_k . x),  lower <= x <= upper
 //
+// where -|c_k + A_k x| may be in the place of a_k . x,
 // by a primal-dual interior point method with Mehrotra's predictor and corrector ("On the implementation of a
 // primal-dual interior point method", 1992). A solution always exists. The normal equations are solved by a Cholesky
 // factorisation within their skyline: variables that share rows should have near indices.
@@ -10,6 +11,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "qp/ball_rows.hpp"
 #include "qp/lane_rows.hpp"
 #include "qp/product_rows.hpp"
 
@@ -22,6 +24,7 @@ struct PenaltyQp {
   std::vector<double> values;
   LaneRows lanes;                    // more rows, after those
   ProductRows products;              // more rows, after those
+  BallRows balls;                    // more rows, after those
   std::vector<double> least, price;  // of all rows
 };
 

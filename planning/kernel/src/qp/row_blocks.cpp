@@ -1,7 +1,6 @@
 #include "qp/row_blocks.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "math/dot.hpp"
 #include "math/multiversion.hpp"
@@ -65,9 +64,7 @@ RowBlocks::RowBlocks(const PenaltyQp& program)
   local_.resize(widest), square_.resize(static_cast<std::size_t>(widest) * widest);
 }
 
-Skyline RowBlocks::normal_matrix() const {
-  std::vector<int> first(p_.num_variables);
-  for (int i = 0; i < p_.num_variables; ++i) first[i] = i;
+void RowBlocks::widen(std::vector<int>& first) const {
   for (const Block& b : blocks_) {
     if (b.width == 0) continue;
     const std::int64_t* columns = columns_of(b);
@@ -76,7 +73,6 @@ Skyline RowBlocks::normal_matrix() const {
   }
   lanes_.widen(first);
   products_.widen(first);
-  return Skyline(std::move(first));
 }
 
 void RowBlocks::times(const std::vector<double>& x, std::vector<double>& y) {

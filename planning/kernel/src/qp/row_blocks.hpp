@@ -16,8 +16,8 @@ class RowBlocks {
   // Of the program's rows A; it must outlive this.
   explicit RowBlocks(const PenaltyQp& program);
 
-  // A zero matrix with the skyline of A' A.
-  Skyline normal_matrix() const;
+  // Lowers the first column of every row of A' A.
+  void widen(std::vector<int>& first) const;
 
   // y = A x.
   void times(const std::vector<double>& x, std::vector<double>& y);

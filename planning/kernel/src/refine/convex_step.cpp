@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "refine/active_balls.hpp"
 #include "refine/active_distances.hpp"
 #include "refine/active_rows.hpp"
 
@@ -177,6 +178,13 @@ void add_more(const MoreRows& more, const std::vector<std::size_t>& order, Penal
   }
 }
 
+void add_balls(const MoreRows& more, const std::vector<std::size_t>& order, PenaltyQp& program) {
+  for (std::size_t k : order) {
+    program.balls.append(more.balls, k);
+    program.least.push_back(-1), program.price.push_back(more.ball_price[k]);
+  }
+}
+
 }  // namespace
 
 PenaltyQp program_of(const CurveGrid& grid, const RateBounds& bounds, const CurveColumns& columns,
@@ -192,6 +200,7 @@ PenaltyQp program_of(const CurveGrid& grid, const RateBounds& bounds, const Curv
   for (std::size_t i = 0; i < grid.intervals(); ++i)
     for (std::size_t j = 0; j < bounds.coordinates(); j += num_lanes) around.add_rows(i, j);
   add_distances(columns, box, margins, takes_part.distances, program);
+  add_balls(more, in_blocks(more.balls, takes_part.balls), program);
   return program;
 }
 
@@ -200,7 +209,7 @@ ConvexStep convex_step(const CurveGrid& grid, const RateBounds& bounds, const Cu
                        const std::vector<double>& b, const MoreRows& more, const DistanceMargins& margins,
                        double tolerance, int max_steps) {
   const std::size_t nq = bounds.coordinates();
-  TakesPart takes_part{likely_rows(more), likely_rows(box, margins)};
+  TakesPart takes_part{likely_rows(more), likely_balls(more.balls), likely_rows(box, margins)};
   PenaltyQp program;
   PenaltySolution found;
   bool is_broken = true;
@@ -209,6 +218,7 @@ ConvexStep convex_step(const CurveGrid& grid, const RateBounds& bounds, const Cu
     found = solve(program, tolerance, max_steps);
     is_broken = add_broken(columns, box, margins, found.x, takes_part.distances);
     is_broken |= add_broken(more, found.x, takes_part.more);
+    is_broken |= add_broken(more.balls, found.x, takes_part.balls);
   }
   ConvexStep step{points, 0};
   for (std::size_t i = 1; i + 1 < grid.num_points; ++i)

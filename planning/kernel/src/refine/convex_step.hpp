@@ -46,11 +46,13 @@ struct DistanceMargins {
 struct MoreRows {
   std::vector<std::int64_t> starts{0}, columns;
   std::vector<double> values, least, price;
+  BallRows balls;
+  std::vector<double> ball_price;
 };
 
 // Which rows are in a program: those that are left out are not broken at its minimum, which is that of all rows then.
 struct TakesPart {
-  std::vector<char> more, distances;
+  std::vector<char> more, balls, distances;
 };
 
 struct ConvexStep {

@@ -1,10 +1,7 @@
 #include "refine/load_rows.hpp"
 
-#include <array>
 #include <cmath>
 #include <cstddef>
-
-#include "math/vec.hpp"
 
 namespace wayproof {
 namespace {
@@ -14,28 +11,6 @@ constexpr std::size_t four = weights_per_instant;
 constexpr double most_change = 1.5;
 // Sums below this share of the bound have no row, as rates have none.
 constexpr double least_share = 0.3;
-// Cosine and sine of the angle, 0.4, between the normals of tangent planes and the vector itself.
-constexpr double cosine = 0.9210609940028851, sine = 0.3894183423086505;
-constexpr std::size_t num_normals = 5;
-
-using Normals = std::array<Vec3, num_normals>;
-
-// Outward normals of planes tangent to the unit ball near a vector's direction. The first is along the vector; those
-// around it keep a step from moving far along the first plane, where it would leave the ball.
-Normals normals_of(const Vec3& vector) {
-  const double length = norm(vector);
-  const Vec3 direction = length > 0 ? (1 / length) * vector : Vec3{1, 0, 0};
-  const double x = std::abs(direction.x), y = std::abs(direction.y), z = std::abs(direction.z);
-  const Vec3 axis = x <= y && x <= z ? Vec3{1, 0, 0} : y <= z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-  Vec3 side = cross(direction, axis);
-  side = (1 / norm(side)) * side;
-  const Vec3 second = cross(direction, side);
-  Normals normals{direction};
-  std::size_t k = 1;
-  for (const Vec3& tangent : {side, second, -1 * side, -1 * second}) normals[k++] = cosine * direction + sine * tangent;
-  return normals;
-}
-
 // Rows of one load as they are made.
 struct LoadRowsOf {
   const LoadInstants& at;
@@ -44,8 +19,6 @@ struct LoadRowsOf {
   const std::vector<double>& radii;
   MoreRows rows;
   std::vector<double> parts;  // [dims][4 nq + 2]: derivatives of components by four control points, and by b
-  std::vector<double> row;    // the same of one row
-
   std::size_t width() const { return four * at.coordinates + 2; }
 
   // Derivatives of a component by control points in units of the box, and by b at both ends in units of itself.
@@ -71,23 +44,40 @@ struct LoadRowsOf {
     to[four * nq + 1] = by_u * high / (2 * at.step) + by_b * high * fraction * share;
   }
 
-  // Adds a row if it can bind: the sum of `row` changes `ratio`, which is to stay below the bound.
+  // The column of a derivative; -1 for none.
+  std::int64_t column_of(std::size_t m, std::size_t i) const {
+    const std::size_t nq = at.coordinates, points = static_cast<std::size_t>(at.first_point[m]) * nq;
+    return i < four * nq ? columns.points[points + i]
+                         : columns.path_velocity[static_cast<std::size_t>(at.interval[m]) + i - four * nq];
+  }
+
+  // Adds a row if it can bind: the sum of `parts` changes `ratio`, which is to stay below the bound.
   void add(std::size_t m, double ratio, double sign) {
     const double least = sign * ratio / load.bound - 1;
     if (!(least > least_share - 1)) return;
     double change = 0;
-    for (double x : row) change += std::abs(x);
+    for (double x : parts) change += std::abs(x);
     if (!(least > -most_change * change / load.bound)) return;
-    const std::size_t nq = at.coordinates, points = static_cast<std::size_t>(at.first_point[m]) * nq;
-    const auto interval = static_cast<std::size_t>(at.interval[m]);
-    for (std::size_t i = 0; i < width(); ++i) {
-      const std::int64_t column =
-          i < four * nq ? columns.points[points + i] : columns.path_velocity[interval + i - four * nq];
-      if (column < 0) continue;
-      rows.columns.push_back(column), rows.values.push_back(-sign * row[i] / load.bound);
-    }
+    for (std::size_t i = 0; i < width(); ++i)
+      if (const std::int64_t column = column_of(m, i); column >= 0)
+        rows.columns.push_back(column), rows.values.push_back(-sign * parts[i] / load.bound);
     rows.starts.push_back(static_cast<std::int64_t>(rows.columns.size()));
     rows.least.push_back(least), rows.price.push_back(load.price);
+  }
+
+  // Adds a ball for the vector, of length `load.bound` at most.
+  void add_ball(std::size_t m, const double* vector) {
+    BallRows& balls = rows.balls;
+    for (std::size_t d = 0; d < load.dims; ++d) {
+      balls.centers.push_back(vector[d] / load.bound);
+      for (std::size_t i = 0; i < width(); ++i)
+        if (const std::int64_t column = column_of(m, i); column >= 0) {
+          if (d == 0) balls.columns.push_back(column);
+          balls.values.push_back(parts[d * width() + i] / load.bound);
+        }
+    }
+    balls.starts.push_back(static_cast<std::int64_t>(balls.columns.size()));
+    rows.ball_price.push_back(load.price);
   }
 
   // Rows that do not depend on u are equal on both sides of a grid point: those of its right side are enough.
@@ -100,33 +90,28 @@ struct LoadRowsOf {
     return true;
   }
 
-  void ball(std::size_t m, std::size_t ball, bool is_static) {
+  void ball(std::size_t m, std::size_t ball, bool is_static, bool is_one_sided) {
     const double* value = load.values + (m * load.balls + ball) * load.dims;
     if (!is_static && is_repeated(m, ball)) return;
     if (load.dims == 1 && !(std::abs(value[0]) / load.bound - 1 > least_share - 1)) return;
     for (std::size_t d = 0; d < load.dims; ++d) part(m, ball * load.dims + d, &parts[d * width()]);
     if (load.dims == 1) {
-      row = parts;
-      add(m, value[0], 1), add(m, value[0], -1);
+      add(m, value[0], 1);
+      if (!is_one_sided) add(m, value[0], -1);
       return;
     }
-    const Vec3 vector{value[0], value[1], value[2]};
-    for (const Vec3& n : normals_of(vector)) {
-      for (std::size_t i = 0; i < width(); ++i)
-        row[i] = n.x * parts[i] + n.y * parts[width() + i] + n.z * parts[2 * width() + i];
-      add(m, dot(n, vector), 1);
-    }
+    add_ball(m, value);
   }
 };
 
 }  // namespace
 
 MoreRows load_rows(const LoadInstants& instants, const LoadRatios& ratios, const CurveColumns& columns,
-                   const std::vector<double>& radii, bool is_static) {
-  LoadRowsOf of{instants, ratios, columns, radii, {}, {}, {}};
-  of.parts.resize(ratios.dims * of.width()), of.row.resize(of.width());
+                   const std::vector<double>& radii, bool is_static, bool is_one_sided) {
+  LoadRowsOf of{instants, ratios, columns, radii, {}, {}};
+  of.parts.resize(ratios.dims * of.width());
   for (std::size_t m = 0; m < instants.count; ++m)
-    for (std::size_t ball = 0; ball < ratios.balls; ++ball) of.ball(m, ball, is_static);
+    for (std::size_t ball = 0; ball < ratios.balls; ++ball) of.ball(m, ball, is_static, is_one_sided);
   return of.rows;
 }
 

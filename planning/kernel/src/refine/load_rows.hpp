@@ -28,9 +28,10 @@ struct LoadRatios {
   double bound, price;
 };
 
-// The rows that can bind within a step; `radii` are half of the box's sides, [nq]. Static loads depend on the curve
-// alone, and have no instant twice.
+// The rows that can bind within a step, and a ball for each vector of three components; `radii` are half of the box's
+// sides, [nq]. Static loads depend on the curve alone, and have no instant twice. Numbers are bounded on both sides,
+// unless they are on the upper one alone.
 MoreRows load_rows(const LoadInstants& instants, const LoadRatios& ratios, const CurveColumns& columns,
-                   const std::vector<double>& radii, bool is_static);
+                   const std::vector<double>& radii, bool is_static, bool is_one_sided);
 
 }  // namespace wayproof
