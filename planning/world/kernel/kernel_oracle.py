@@ -57,6 +57,11 @@ class KernelCollisionOracle:
         )
         self._has_linear_motions = group.num_positions == group.num_velocities
 
+    @property
+    def native_checker(self) -> Any | None:
+        """The kernel's checker, where motions are straight lines of q."""
+        return self._checker if self._has_linear_motions else None
+
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether all pairs keep their margins with the group at q, shape (nq,)."""
         verdict = self._checker.check_one(q)

@@ -16,6 +16,7 @@ NB_MODULE(_native, m) {
   wayproof::bind_timing(m);
   wayproof::bind_retime(m);
   wayproof::bind_search(m);
+  wayproof::bind_shortcut(m);
   wayproof::bind_dynamics(m);
   wayproof::bind_torques(m);
   wayproof::bind_loads(m);

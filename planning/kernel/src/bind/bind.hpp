@@ -20,6 +20,7 @@ void bind_curve(nb::module_& m);
 void bind_timing(nb::module_& m);
 void bind_retime(nb::module_& m);
 void bind_search(nb::module_& m);
+void bind_shortcut(nb::module_& m);
 void bind_dynamics(nb::module_& m);
 void bind_torques(nb::module_& m);
 void bind_loads(nb::module_& m);

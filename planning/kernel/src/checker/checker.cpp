@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include "checker/sample_order.hpp"
@@ -16,19 +15,6 @@ namespace {
 constexpr double turn = 6.283185307179586;
 // Largest position [rad or m] of which single precision gives a verdict; for NaN it gives none.
 constexpr double far_off = 1e6;
-// More samples would take years, and their number is to fit into an integer.
-constexpr double most_samples = 1e15;
-
-// The same number as planning/domain/curves/motion_samples.py has, operation by operation.
-std::int64_t num_samples(const double* displacement, int nq, double resolution) {
-  double square = 0;
-  for (int i = 0; i < nq; ++i) square += displacement[i] * displacement[i];
-  if (!(square < far_off * far_off)) throw std::invalid_argument("a motion is finite and not too long");
-  const double count = std::max(std::ceil(std::sqrt(square) / resolution - 1e-9), 1.0);
-  if (!(count < most_samples)) throw std::invalid_argument("the resolution is too fine for so long a motion");
-  return static_cast<std::int64_t>(count);
-}
-
 }  // namespace
 
 // Mutable buffers of one thread's check.
