@@ -88,6 +88,7 @@ class Checker:
         kernel: str = "",
     ) -> None: ...
     def check(self, qs: _Doubles) -> _Verdicts: ...
+    def check_free(self, qs: _Doubles) -> tuple[_Flags, _Integers]: ...
     def check_one(self, q: _Doubles) -> int: ...
     def check_motions(
         self, origins: _Doubles, displacements: _Doubles, resolution: float
@@ -396,7 +397,28 @@ def optimize_profile(
     phases: tuple[_Doubles, _Doubles],
     limits: _Doubles,
 ) -> tuple[_Doubles, _Doubles, _Doubles, _Doubles, _Doubles]: ...
+
+class CheckedEdges:
+    def __init__(
+        self,
+        checker: Checker | None,
+        num_positions: int,
+        resolution: float,
+        look: Callable[[], None],
+        are_free: Callable[[_Doubles, _Doubles], _Flags],
+        first_free: Callable[[_Doubles, _Doubles], int],
+    ) -> None: ...
+    @property
+    def num_edges(self) -> int: ...
+    @property
+    def num_states(self) -> int: ...
+
+def skip_vertices(
+    edges: CheckedEdges, waypoints: _Doubles, is_over: Callable[[], bool]
+) -> _Doubles: ...
+def tighten(edges: CheckedEdges, waypoints: _Doubles, max_parts: int) -> _Doubles: ...
 def relax_path(
+    edges: CheckedEdges,
     waypoints: _Doubles,
     max_sweeps: int,
     min_gain: float,
@@ -404,6 +426,16 @@ def relax_path(
     max_whole_fraction: float,
     growth: float,
     shrinkage: float,
-    are_free: Callable[[_Doubles, _Doubles], np.ndarray[Any, np.dtype[np.bool_]]],
     is_over: Callable[[], bool],
+) -> _Doubles: ...
+def backtrack(
+    edges: CheckedEdges,
+    waypoints: _Doubles,
+    free_path: _Doubles,
+    first_fraction: float,
+    growth: float,
+    max_fraction: float,
+) -> _Doubles: ...
+def cut_corners(
+    edges: CheckedEdges, waypoints: _Doubles, fractions: _Doubles, min_gain: float
 ) -> _Doubles: ...

@@ -136,10 +136,9 @@ def _admissible_goals(
     Raises:
         NoPathFound: There is none, or the start itself is inadmissible.
     """
-    evidence = {"planner": ", ".join(task.options.planners), "padding": task.padding}
     if not (space.contains(task.start[None])[0] and oracle.is_free(task.start)):
         message = "the start violates the position limits, search.bounds or the required clearance"
-        raise NoPathFound(message, evidence | {"reason": "start"})
+        raise NoPathFound(message, _evidence(task) | {"reason": "start"})
     rows = np.flatnonzero(space.contains(task.goals))
     rows = rows[oracle.are_free(task.goals[rows])] if len(rows) else rows
     if not len(rows):
@@ -147,5 +146,10 @@ def _admissible_goals(
             "every goal violates the position limits, search.bounds, a rotation that search.spaces "
             "holds, or the required clearance"
         )
-        raise NoPathFound(message, evidence | {"reason": "goals", "num_goals": len(task.goals)})
+        evidence = {"reason": "goals", "num_goals": len(task.goals)}
+        raise NoPathFound(message, _evidence(task) | evidence)
     return rows
+
+
+def _evidence(task: SearchTask) -> dict[str, Any]:
+    return {"planner": ", ".join(task.options.planners), "padding": task.padding}

@@ -132,7 +132,7 @@ class DrakeModel:
 
     def _indices(self, group: JointGroup) -> tuple[Indices, Indices]:
         """Return both index arrays, cached by group."""
-        names = tuple(joint.name for joint in group.joints)
+        names = group.joint_names
         found = self._index_cache.get(names)
         if found is None:
             joints: list[Any] = [self.plant.get_joint(self.joint_indices[name]) for name in names]

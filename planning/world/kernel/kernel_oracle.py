@@ -72,9 +72,7 @@ class KernelCollisionOracle:
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the same for each row."""
-        verdicts = self.verdicts(qs)
-        free = verdicts == self._free
-        undecided = np.flatnonzero(verdicts == self._undecided)
+        free, undecided = self._checker.check_free(qs)
         if len(undecided):
             self.num_undecided += len(undecided)
             free[undecided] = self._drake_oracle.are_free(qs[undecided])
@@ -212,5 +210,4 @@ class KernelCollisionOracle:
 
 def pair_thresholds(scene: KernelScene, margins: PairMargins) -> Array:
     """Return margin and touching distance of every pair [m], shape (n, 2)."""
-    margin = scene.pair_margins(margins)
-    return np.column_stack([margin, margin])
+    return np.repeat(scene.pair_margins(margins)[:, None], 2, axis=1)

@@ -77,7 +77,10 @@ class KernelScene:
         if found is None:
             if len(self._margins_of_pairs) >= _MAX_MARGINS:
                 self._margins_of_pairs.clear()
-            found = self.by_pair(margins.of, margins.by_pair)
+            # No margin within one robot; `of` for the exceptions alone.
+            found = np.where(self.is_of_one_robot, 0.0, margins.default)
+            for pair in margins.by_pair:
+                found[self._rows_by_names.get(pair, [])] = margins.of(*pair)
             found.setflags(write=False)
             self._margins_of_pairs[key] = found
         return found
