@@ -417,6 +417,9 @@ def skip_vertices(
     edges: CheckedEdges, waypoints: _Doubles, is_over: Callable[[], bool]
 ) -> _Doubles: ...
 def tighten(edges: CheckedEdges, waypoints: _Doubles, max_parts: int) -> _Doubles: ...
+def first_of_clusters(
+    rows: _Doubles, targets: _Integers, is_periodic: _Flags, tolerance: float
+) -> _Flags: ...
 def relax_path(
     edges: CheckedEdges,
     waypoints: _Doubles,

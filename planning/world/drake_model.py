@@ -120,7 +120,8 @@ class DrakeModel:
         state: Float64[np.ndarray, " num_positions"],
     ) -> Array:
         """Return full configurations: the group at q, mimics following, the rest at `state`."""
-        full = np.broadcast_to(state, (*q.shape[:-1], len(state))).copy()
+        full = np.empty((*q.shape[:-1], len(state)))
+        full[...] = state
         full[..., self.position_indices(group)] = q
         return self.apply_couplings(full)
 
