@@ -30,6 +30,7 @@ struct Checker::Workspace {
   std::vector<double> samples;
   std::vector<std::int64_t> numbers;
   std::vector<Verdict> found;
+  int likely = -1;  // pair that blocked the last motion that was blocked, in the lanes' numbers
 
   explicit Workspace(const Checker& c)
       : model(c.batch_.view()),
@@ -169,9 +170,10 @@ bool Checker::check_block(const double* qs, int count, Verdict* verdicts, Worksp
     active |= 1u << lane;
   }
   w.repeat_lane(count - 1);
-  BatchVerdict v{0, 0, w.pairs.data(), w.lanes.data()};
+  BatchVerdict v{0, 0, w.pairs.data(), w.lanes.data(), any_hit_decides, w.likely};
   kernel_.check(w.model, w.coordinates.data(), active, static_cast<float>(batch_.slack_per_metre * reach),
                 w.scratch.data(), v);
+  if (any_hit_decides) w.likely = v.likely;
   if (any_hit_decides && v.hit) return true;
   unsigned unsure = 0;
   for (int k = 0; k < v.num_unsure; ++k) unsure |= v.lanes[k];
