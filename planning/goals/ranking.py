@@ -15,6 +15,8 @@ from planning.kernel.native import native
 # Two configurations nearer than this in every joint are duplicates [rad or m].
 DUPLICATE_TOLERANCE = 1e-3
 _MAX_EQUIVALENTS = 4096
+# No full turn fits into limits whose range is shorter than one by this, whatever the rounding [rad].
+_LEAST_SHORT_OF_A_TURN = 1e-6
 # Pairs that are compared at once.
 _MAX_PAIRS = 20_000
 
@@ -180,8 +182,11 @@ def full_turn_equivalents(
     )
     if idle is not None:
         is_revolute &= ~idle
-    min_turns, max_turns = np.zeros(rows.shape), np.zeros(rows.shape)
     low, high = limits.lower[is_revolute], limits.upper[is_revolute]
+    if (high - low < 2 * np.pi - _LEAST_SHORT_OF_A_TURN).all():
+        clipped = np.minimum(np.maximum(rows, limits.lower), limits.upper)
+        return np.where(is_revolute, clipped, rows), np.arange(len(rows))
+    min_turns, max_turns = np.zeros(rows.shape), np.zeros(rows.shape)
     min_turns[:, is_revolute] = np.ceil((low - rows[:, is_revolute]) / (2 * np.pi) - 1e-12)
     max_turns[:, is_revolute] = np.floor((high - rows[:, is_revolute]) / (2 * np.pi) + 1e-12)
     num_equivalents = np.prod(np.maximum(max_turns - min_turns + 1, 1), axis=1)
