@@ -119,9 +119,7 @@ class Value:
 @cache
 def _array_fields(kind: type[Any]) -> tuple[str, ...]:
     """Return the fields of a class that may be arrays by their annotations; most have none."""
-    return tuple(
-        field.name for field in dataclasses.fields(kind) if _may_be_array(field.type)
-    )
+    return tuple(field.name for field in dataclasses.fields(kind) if _may_be_array(field.type))
 
 
 def _may_be_array(annotation: Any) -> bool:

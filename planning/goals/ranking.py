@@ -15,7 +15,7 @@ from planning.kernel.native import native
 # Two configurations nearer than this in every joint are duplicates [rad or m].
 DUPLICATE_TOLERANCE = 1e-3
 _MAX_EQUIVALENTS = 4096
-# No full turn fits into limits whose range is shorter than one by this, whatever the rounding [rad].
+# No full turn fits into limits shorter than one by this, whatever the rounding [rad].
 _LEAST_SHORT_OF_A_TURN = 1e-6
 # Pairs that are compared at once.
 _MAX_PAIRS = 20_000

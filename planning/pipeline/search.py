@@ -107,6 +107,4 @@ def _search_padded(
     report = (
         result.report if gcs_planner is None else gcs_planner.with_regions_report(result.report)
     )
-    return SearchResult(
-        result.path.continuous, int(rows[result.goal_row]), report, result.graph
-    )
+    return SearchResult(result.path.continuous, int(rows[result.goal_row]), report, result.graph)

@@ -46,9 +46,7 @@ def refine(
     path, method = request.path, request.options.method
     stage_deadline = deadline.at_fraction(_TIME_SHARE)
     skip_reason = _skip_reason(request, stage_deadline)
-    report = RefineReport(
-        method, improved=False, length_before=path.length, reason=skip_reason
-    )
+    report = RefineReport(method, improved=False, length_before=path.length, reason=skip_reason)
     if skip_reason:
         return None, report
     return REFINERS[method].refine(world, request, stage_deadline, report)

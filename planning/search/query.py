@@ -115,7 +115,8 @@ def _make_space(
     group: JointGroup, limits: JointLimits, task: SearchTask, weights: Array
 ) -> SearchSpace:
     anchors = np.concatenate([task.start[None], task.goals])
-    held_indices = held_rotations(group, task.options.spaces)
+    spaces = task.options.spaces
+    held_indices = held_rotations(group, spaces) if spaces else []
     if task.residual is not None:
         return ProjectedSpace(group, limits, anchors, task.residual)
     if steering_of(group):

@@ -95,8 +95,6 @@ def held_rotations(group: JointGroup, spaces: Mapping[str, str | Steering]) -> l
         UnknownName: There is no such planar or floating joint, or no such space.
         ProblemInvalid: The rotation to hold is that of a car.
     """
-    if not spaces:
-        return []
     offsets: dict[str, list[int]] = {}
     iq = 0
     for joint in group.joints:

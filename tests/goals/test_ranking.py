@@ -82,9 +82,7 @@ def test_limits_shorter_than_a_turn_leave_each_row_alone() -> None:
     group = group_of(JointType.REVOLUTE, JointType.PRISMATIC)
     rows = np.array([[3.0, 0.5], [-3.0, -0.5], [0.1, 0.0]])
     for reach, count in ((3.1, 3), (np.pi + 1, 5)):
-        limits = JointLimits(
-            np.full(2, -reach), np.full(2, reach), *np.ones((4, 2)), ((0,), (1,))
-        )
+        limits = JointLimits(np.full(2, -reach), np.full(2, reach), *np.ones((4, 2)), ((0,), (1,)))
         found, index = full_turn_equivalents(group, limits, rows)
         assert len(found) == len(index) == count
         np.testing.assert_allclose(np.remainder(found - rows[index] + 1, 2 * np.pi), 1.0)

@@ -269,7 +269,8 @@ def calls() -> dict[str, Call]:
         ),
         **shortcut_calls(checker()),
         "first_of_clusters": call(
-            module.first_of_clusters, rows=(with_ball, ROWS), targets=(np.zeros(3, np.int64), EXACT),
+            module.first_of_clusters, rows=(with_ball, ROWS),
+            targets=(np.zeros(3, np.int64), EXACT),
             is_periodic=(np.ones(11, dtype=bool), ANY), tolerance=(1e-3, SCALAR),
         ),
         "IkTolerance": call(

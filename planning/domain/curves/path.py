@@ -61,7 +61,7 @@ class JointPath(Value):
 
 
 def _running_sums(waypoints: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n nq"]:
-    """Return each waypoint as the one before it plus the step to it, which may round differently."""
+    """Return each waypoint as the one before it plus the step to it, which may be rounded."""
     rows = waypoints.tolist()
     for before, here in pairwise(rows):
         here[:] = [a + (b - a) for a, b in zip(before, here, strict=True)]

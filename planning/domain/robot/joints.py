@@ -138,7 +138,7 @@ class JointGroup(Value):
     @cached_property
     def has_scalar_joints(self) -> bool:
         """Whether every joint has one coordinate with limits: q is a vector in a box."""
-        return all([joint.type in _IN_A_BOX for joint in self.joints])
+        return _IN_A_BOX.issuperset([joint.type for joint in self.joints])
 
     @cached_property
     def position_names(self) -> tuple[str, ...]:

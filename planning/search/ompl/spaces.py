@@ -234,7 +234,10 @@ class SearchSpace:
 
 def _search_bounds(group: JointGroup, limits: JointLimits, anchors: Array) -> tuple[Array, Array]:
     """Return position bounds, finite wherever OMPL requires that."""
-    if group.has_scalar_joints and np.isfinite(limits.lower).all() & np.isfinite(limits.upper).all():
+    if (
+        group.has_scalar_joints
+        and np.isfinite(limits.lower).all() & np.isfinite(limits.upper).all()
+    ):
         return limits.lower, np.maximum(limits.upper, limits.lower + _MIN_WIDTH)
     default_lower = np.minimum(-_DEFAULT_BOUND, anchors.min(axis=0) - _ANCHOR_MARGIN)
     default_upper = np.maximum(_DEFAULT_BOUND, anchors.max(axis=0) + _ANCHOR_MARGIN)

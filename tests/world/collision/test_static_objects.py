@@ -400,7 +400,7 @@ def test_no_object_that_is_near_is_left_out(distance: float) -> None:
     for _ in range(num_cases(10)):
         full = world.embed(group, rng.uniform(limits.lower, limits.upper))
         near_static.set_positions(full)
-        gaps = near_static._ball_gaps()[0].min(axis=0)  # noqa: SLF001  (what it is compared with)
+        gaps = near_static._ball_gaps()[0].min(axis=0)
         rows = scene.near_objects(full, distance)
         assert set(np.flatnonzero(gaps <= distance)) <= set(rows.tolist())
         assert set(rows.tolist()) <= set(np.flatnonzero(gaps <= distance + 1e-6))

@@ -113,8 +113,8 @@ auto distinct(const Doubles& rows, const Integers& targets,
   const auto which = row(targets, "targets");
   require(which.size() == configurations.rows, "targets does not have a number for each row");
   const std::vector<bool> periodic(is_periodic.data(), is_periodic.data() + nq);
-  const auto first = first_of_clusters(finite(configurations.all(), "rows"), which, periodic,
-                                       positive(tolerance, "tolerance"));
+  const auto first =
+      first_of_clusters(finite(configurations.all(), "rows"), which, periodic, positive(tolerance, "tolerance"));
   return array_of(first, first.size());
 }
 

@@ -44,9 +44,8 @@ class CheckedEdges : public EdgeVerdicts {
       look_();
       std::vector<Verdict> verdicts(count);
       std::vector<Unsure> unsure;
-      const std::int64_t total = without_lock([&] {
-        return checker_->check_edges(edges.from, edges.to, resolution, most_samples, verdicts, unsure);
-      });
+      const std::int64_t total = without_lock(
+          [&] { return checker_->check_edges(edges.from, edges.to, resolution, most_samples, verdicts, unsure); });
       if (total <= most_samples && unsure.empty()) {
         num_edges += static_cast<std::int64_t>(count), num_states += total;
         std::vector<char> free(count);
@@ -138,8 +137,8 @@ auto relax(CheckedEdges& edges, const Doubles& waypoints, int max_sweeps, double
   return rows_of(relax_path(rows.all(), settings, edges, [&] { return nb::cast<bool>(is_over()); }), edges);
 }
 
-auto back(CheckedEdges& edges, const Doubles& waypoints, const Doubles& free_path, double first_fraction,
-          double growth, double max_fraction) {
+auto back(CheckedEdges& edges, const Doubles& waypoints, const Doubles& free_path, double first_fraction, double growth,
+          double max_fraction) {
   const Table desired = path_of(waypoints, edges), free = path_of(free_path, edges, "free_path");
   require(desired.rows == free.rows, "the paths differ in their number of waypoints");
   require(growth > 1, "growth is not above 1");

@@ -83,8 +83,8 @@ struct BatchModel {
   int num_coordinates;
 };
 
-// Undecided pairs, with their lanes. Pairs are numbered obstacle pairs first. Where any hit decides, the check ends with
-// the first one, and begins with the pair of `likely`, if it is not negative; a hit leaves its pair there.
+// Undecided pairs, with their lanes. Pairs are numbered obstacle pairs first. Where any hit decides, the check ends
+// with the first one, and begins with the pair of `likely`, if it is not negative; a hit leaves its pair there.
 struct BatchVerdict {
   unsigned hit;
   int num_unsure;

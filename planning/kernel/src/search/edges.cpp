@@ -27,7 +27,8 @@ double sum(std::span<const double> x) {
 double path_length(std::span<const double> path, int nq) {
   std::vector<double> lengths;
   const auto width = static_cast<std::size_t>(nq);
-  for (std::size_t k = 0; k + width < path.size(); k += width) lengths.push_back(length(&path[k], &path[k + width], nq));
+  for (std::size_t k = 0; k + width < path.size(); k += width)
+    lengths.push_back(length(&path[k], &path[k + width], nq));
   return sum(lengths);
 }
 
