@@ -10,7 +10,6 @@ namespace wayproof {
 
 namespace nb = nanobind;
 
-void bind_kinds(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_checker(nb::module_& m);
 void bind_ik(nb::module_& m);
