@@ -27,7 +27,7 @@ struct Checker::Workspace {
   std::vector<double> full;
   std::vector<Transform> X_WL;
   std::vector<Vec3> directions;  // last separating direction of each pair, in the frame of its first geometry
-  std::vector<double> samples;
+  std::vector<double> samples, displacement;
   std::vector<std::int64_t> numbers;
   std::vector<Verdict> found;
   int likely = -1;  // pair that blocked the last motion that was blocked, in the lanes' numbers
@@ -43,6 +43,7 @@ struct Checker::Workspace {
         X_WL(c.X_WL_),
         directions(c.scene_->pairs.size()),
         samples(static_cast<std::size_t>(width) * c.num_positions()),
+        displacement(c.num_positions()),
         numbers(width),
         found(width) {}
 
@@ -273,11 +274,11 @@ Verdict Checker::check_edge(std::span<const double> from, std::span<const double
                             std::int64_t& n) const {
   const Lease lease(*this);
   const int nq = num_positions();
-  std::vector<double> displacement(nq);
+  double* displacement = lease.workspace->displacement.data();
   for (int i = 0; i < nq; ++i) displacement[i] = to[i] - from[i];
-  n = num_samples(displacement.data(), nq, resolution);
+  n = num_samples(displacement, nq, resolution);
   std::vector<Unsure> unsure;
-  return check_motion({from.data(), displacement.data(), n, true}, 0, unsure, *lease.workspace);
+  return check_motion({from.data(), displacement, n, true}, 0, unsure, *lease.workspace);
 }
 
 }  // namespace wayproof
