@@ -7,7 +7,8 @@ import struct
 from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 from functools import cache, lru_cache
-from typing import Any, ClassVar, cast, override
+from types import NoneType, UnionType
+from typing import Any, ClassVar, Literal, TypeAliasType, cast, get_args, get_origin, override
 
 import numpy as np
 
@@ -15,6 +16,8 @@ import numpy as np
 _ROWS = np.dtype(np.int32)
 # Numbers, truth values and text of fixed width. Long doubles have padding bytes.
 _ARRAYS = frozenset("?bBhHiIlLqQefdFDSU")
+# Annotations of fields that are no arrays, by their origin.
+_NO_ARRAYS = frozenset({tuple, list, dict, set, frozenset, Mapping, Callable, Literal})
 # Texts of fewer characters are mostly names.
 _SHORT = 64
 _PACKED = struct.Struct("<d").pack
@@ -72,9 +75,11 @@ class Value:
 
     def __post_init__(self) -> None:
         """Freeze every array."""
-        for name, item in self.__dict__.items():
+        fields = self.__dict__
+        for name in _array_fields(type(self)):
+            item = fields.get(name)
             if isinstance(item, np.ndarray):
-                self.__dict__[name] = _frozen_array(item)
+                fields[name] = _frozen_array(item)
 
     def _freeze(self, state: Mapping[str, Any]) -> None:
         for name, item in list(state.items()):
@@ -109,6 +114,24 @@ class Value:
     @override
     def __hash__(self) -> int:
         return hash(digest(self))
+
+
+@cache
+def _array_fields(kind: type[Any]) -> tuple[str, ...]:
+    """Return the fields of a class that may be arrays by their annotations; most have none."""
+    return tuple(field.name for field in dataclasses.fields(kind) if _may_be_array(field.type))
+
+
+def _may_be_array(annotation: Any) -> bool:
+    if isinstance(annotation, TypeAliasType):
+        return _may_be_array(annotation.__value__)
+    if isinstance(annotation, UnionType):
+        return any(map(_may_be_array, get_args(annotation)))
+    if get_origin(annotation) is not None:
+        return get_origin(annotation) not in _NO_ARRAYS
+    if isinstance(annotation, type):
+        return not issubclass(annotation, (float, int, str, NoneType, Enum, Value))
+    return True
 
 
 def digest(content: Any) -> str:

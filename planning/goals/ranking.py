@@ -1,6 +1,7 @@
 """Ranking of IK solutions: removal of duplicates, equivalents by full turns, nearest first."""
 
 from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
@@ -9,10 +10,13 @@ from planning.domain.arrays import Array, Flags, Indices
 from planning.domain.robot.joints import JointGroup, JointLimits, JointType
 from planning.domain.robot.manifold import Manifold
 from planning.goals.joint_metric import JointMetric
+from planning.kernel.native import native
 
 # Two configurations nearer than this in every joint are duplicates [rad or m].
 DUPLICATE_TOLERANCE = 1e-3
 _MAX_EQUIVALENTS = 4096
+# No full turn fits into limits shorter than one by this, whatever the rounding [rad].
+_LEAST_SHORT_OF_A_TURN = 1e-6
 # Pairs that are compared at once.
 _MAX_PAIRS = 20_000
 
@@ -28,18 +32,27 @@ class UniqueSolutions:
     def __init__(self, group: JointGroup, manifold: Manifold) -> None:
         """Create an empty set."""
         self._manifold = manifold
-        self._is_periodic = np.array(_periodic_coordinates(group), dtype=bool)
-        self._key_mask = np.array(
-            [
-                not (joint.type is JointType.FLOATING and i < 4)
-                for joint in group.joints
-                for i in range(joint.num_positions)
-            ],
-            dtype=bool,
-        )
-        self._phases = np.sqrt(2.0 + np.arange(self._key_mask.sum()))
+        self._group = group
         self.rows: Array = np.zeros((0, group.num_positions))
         self.targets: Indices = np.zeros(0, dtype=np.int64)
+
+    @cached_property
+    def _is_periodic(self) -> Flags:
+        return np.array(_periodic_coordinates(self._group), dtype=bool)
+
+    @cached_property
+    def _key_mask(self) -> Flags:
+        """Which coordinates have an angle or a length: not those of quaternions."""
+        flags = [
+            not (joint.type is JointType.FLOATING and i < 4)
+            for joint in self._group.joints
+            for i in range(joint.num_positions)
+        ]
+        return np.array(flags, dtype=bool)
+
+    @cached_property
+    def _phases(self) -> Array:
+        return np.sqrt(2.0 + np.arange(self._key_mask.sum()))
 
     def __len__(self) -> int:
         """Return the number of solutions."""
@@ -54,12 +67,31 @@ class UniqueSolutions:
         self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
     ) -> Bool[np.ndarray, " n"]:
         """Return whether each row differs from all in the set and from the rows before it."""
+        if not len(rows):
+            return np.zeros(0, dtype=bool)
         all_rows = np.concatenate([self.rows, rows])
-        labels = self._cluster_labels(all_rows, np.concatenate([self.targets, targets]))
-        first = np.unique(labels, return_index=True)[1]
-        is_first = np.zeros(len(all_rows), dtype=bool)
-        is_first[first] = True
+        all_targets = np.concatenate([self.targets, targets])
+        module = native()
+        if module is not None and self._manifold.is_vector_space:
+            is_first = module.first_of_clusters(
+                all_rows, all_targets, self._is_periodic, DUPLICATE_TOLERANCE
+            )
+        else:
+            is_first = self.are_first_in_numpy(all_rows, all_targets)
         return is_first[len(self.rows) :]
+
+    def are_first_in_numpy(
+        self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
+    ) -> Bool[np.ndarray, " n"]:
+        """Return whether each row is the first of its duplicates; what the kernel is compared with.
+
+        For any joints, where the kernel has those that neither wrap nor float.
+        """
+        labels = self._cluster_labels(rows, targets)
+        first = np.unique(labels, return_index=True)[1]
+        is_first = np.zeros(len(rows), dtype=bool)
+        is_first[first] = True
+        return is_first
 
     def contains(
         self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
@@ -150,8 +182,11 @@ def full_turn_equivalents(
     )
     if idle is not None:
         is_revolute &= ~idle
-    min_turns, max_turns = np.zeros(rows.shape), np.zeros(rows.shape)
     low, high = limits.lower[is_revolute], limits.upper[is_revolute]
+    if (high - low < 2 * np.pi - _LEAST_SHORT_OF_A_TURN).all():
+        clipped = np.minimum(np.maximum(rows, limits.lower), limits.upper)
+        return np.where(is_revolute, clipped, rows), np.arange(len(rows))
+    min_turns, max_turns = np.zeros(rows.shape), np.zeros(rows.shape)
     min_turns[:, is_revolute] = np.ceil((low - rows[:, is_revolute]) / (2 * np.pi) - 1e-12)
     max_turns[:, is_revolute] = np.floor((high - rows[:, is_revolute]) / (2 * np.pi) + 1e-12)
     num_equivalents = np.prod(np.maximum(max_turns - min_turns + 1, 1), axis=1)
@@ -178,7 +213,7 @@ def nearest_first(
     """Return the `count` rows nearest to the start and their target indices."""
     distances = metric.distance(rows, start)
     order = np.argsort(distances, kind="stable")[:count]
-    return rows[order], tuple(int(i) for i in targets[order])
+    return rows[order], tuple(targets[order].tolist())
 
 
 def _periodic_coordinates(group: JointGroup) -> list[bool]:

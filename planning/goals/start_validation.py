@@ -81,6 +81,8 @@ def limit_violations(
 ) -> list[dict[str, Any]]:
     """Return every position outside its limits, as evidence."""
     excess = np.maximum(limits.lower - q, q - limits.upper)
+    if not (excess > 0).any():
+        return []
     return [
         {
             "joint": group.position_names[i],

@@ -76,6 +76,8 @@ class Scene:
     def add_pair(self, a: int, b: int) -> None: ...
     def add_pairs(self, rows: _Integers) -> None: ...
     def with_poses(self, geometries: _Integers, X_LG: _Doubles) -> Scene: ...
+    def has_near_pair(self, full: _Doubles, reach: float) -> bool: ...
+    def near_geometries(self, full: _Doubles, first: int, reach: float) -> _Integers: ...
 
 class Checker:
     def __init__(
@@ -88,6 +90,7 @@ class Checker:
         kernel: str = "",
     ) -> None: ...
     def check(self, qs: _Doubles) -> _Verdicts: ...
+    def check_free(self, qs: _Doubles) -> tuple[_Flags, _Integers]: ...
     def check_one(self, q: _Doubles) -> int: ...
     def check_motions(
         self, origins: _Doubles, displacements: _Doubles, resolution: float
@@ -402,7 +405,31 @@ def optimize_profile(
     phases: tuple[_Doubles, _Doubles],
     limits: _Doubles,
 ) -> tuple[_Doubles, _Doubles, _Doubles, _Doubles, _Doubles]: ...
+
+class CheckedEdges:
+    def __init__(
+        self,
+        checker: Checker | None,
+        num_positions: int,
+        resolution: float,
+        look: Callable[[], None],
+        are_free: Callable[[_Doubles, _Doubles], _Flags],
+        first_free: Callable[[_Doubles, _Doubles], int],
+    ) -> None: ...
+    @property
+    def num_edges(self) -> int: ...
+    @property
+    def num_states(self) -> int: ...
+
+def skip_vertices(
+    edges: CheckedEdges, waypoints: _Doubles, is_over: Callable[[], bool]
+) -> _Doubles: ...
+def tighten(edges: CheckedEdges, waypoints: _Doubles, max_parts: int) -> _Doubles: ...
+def first_of_clusters(
+    rows: _Doubles, targets: _Integers, is_periodic: _Flags, tolerance: float
+) -> _Flags: ...
 def relax_path(
+    edges: CheckedEdges,
     waypoints: _Doubles,
     max_sweeps: int,
     min_gain: float,
@@ -410,6 +437,16 @@ def relax_path(
     max_whole_fraction: float,
     growth: float,
     shrinkage: float,
-    are_free: Callable[[_Doubles, _Doubles], np.ndarray[Any, np.dtype[np.bool_]]],
     is_over: Callable[[], bool],
+) -> _Doubles: ...
+def backtrack(
+    edges: CheckedEdges,
+    waypoints: _Doubles,
+    free_path: _Doubles,
+    first_fraction: float,
+    growth: float,
+    max_fraction: float,
+) -> _Doubles: ...
+def cut_corners(
+    edges: CheckedEdges, waypoints: _Doubles, fractions: _Doubles, min_gain: float
 ) -> _Doubles: ...

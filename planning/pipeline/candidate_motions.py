@@ -85,7 +85,7 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
         )
         refined, report = refine(world, request, refine_deadline)
     timed = timing.refined(refined, report)
-    unrefined_report = replace(report, improved=False)
+    unrefined_report = report
     if report.improved:
         unrefined_report = RefineReport(
             report.method,

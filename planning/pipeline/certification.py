@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from typing import Any
 
 from planning.certify.failure import failed_checks, not_certified
 from planning.certify.request import CertifyRequest
@@ -73,36 +74,37 @@ def certify_request(
     world: World,
     group: JointGroup,
     trajectory: TimedTrajectory,
-    options: RetimeOptions,
+    timing: RetimeOptions,
     margins: PairMargins,
+    **requirements: Any,
 ) -> CertifyRequest:
     """Return the request to certify a motion from its own start to its own end.
-
-    Callers with further requirements, or with another start or goal, replace fields.
 
     Args:
         world: Loaded scene.
         group: Joint group that moves.
         trajectory: The motion.
-        options: Limits besides the group's own, as of `resolve_retiming`; jerk is limited if
+        timing: Limits besides the group's own, as of `resolve_retiming`; jerk is limited if
             `method` is "ruckig".
         margins: Required distance of every body pair [m].
+        requirements: Fields of the request: further ones, or another start, goal or limits.
     """
     limits, followers = world.stated_limits(group)
-    scales = options.velocity_scale, options.acceleration_scale
-    return CertifyRequest(
-        group=group,
-        trajectory=trajectory,
-        state=world.state,
-        start=trajectory.start,
-        goals=trajectory.end[None],
-        limits=limits.scaled(*scales),
-        followers=tuple(follower.scaled(*scales) for follower in followers),
-        margins=margins,
-        jerk=options.limits_jerk,
-        tool_limits=options.tool_limits,
-        speed_zones=options.speed_zones,
-        acceleration_bounds=options.acceleration_bounds,
-        effort=options.effort,
-        payload=options.payload,
-    )
+    scales = timing.velocity_scale, timing.acceleration_scale
+    fields: dict[str, Any] = {
+        "group": group,
+        "trajectory": trajectory,
+        "state": world.state,
+        "start": trajectory.start,
+        "goals": trajectory.end[None],
+        "limits": limits.scaled(*scales),
+        "followers": tuple([follower.scaled(*scales) for follower in followers]),
+        "margins": margins,
+        "jerk": timing.limits_jerk,
+        "tool_limits": timing.tool_limits,
+        "speed_zones": timing.speed_zones,
+        "acceleration_bounds": timing.acceleration_bounds,
+        "effort": timing.effort,
+        "payload": timing.payload,
+    }
+    return CertifyRequest(**{**fields, **requirements})

@@ -1,6 +1,6 @@
 """CertifiedMotion: a motion with its certificate and the reports of all stages."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from planning.certify.certifier import certify
 from planning.domain.goals.goal import LineGoal
@@ -46,8 +46,12 @@ def certify_motion(context: PlanContext, motion: Motion) -> tuple[Certificate, C
         if isinstance(goal, LineGoal)
         else ()
     )
-    request = replace(
-        certify_request(context.world, context.group, motion.trajectory, timing, context.margins),
+    request = certify_request(
+        context.world,
+        context.group,
+        motion.trajectory,
+        timing,
+        context.margins,
         start=context.start,
         goals=end_configurations(context.goals),
         limits=context.limits.scaled(timing.velocity_scale, timing.acceleration_scale),

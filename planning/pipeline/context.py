@@ -8,7 +8,7 @@ from planning.domain.goals.goal_configurations import GoalConfigurations
 from planning.domain.goals.linear_moves import LinearMove
 from planning.domain.planner.roadmap import Roadmap
 from planning.domain.report.best_path import BestPath
-from planning.domain.report.motion_plan import Progress
+from planning.domain.report.motion_plan import Progress, ignore_progress
 from planning.domain.request.attempt_pool import AttemptPool
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.problem import PlanningProblem
@@ -51,6 +51,8 @@ class StageProgress:
 
     def __call__(self, progress: Progress) -> None:
         """Forward progress, with the end of its stage."""
+        if self._on_progress is ignore_progress:
+            return
         self._stage = progress.stage
         self._fraction = max(self._fraction, progress.fraction)
         until = max(self._fraction, _STAGE_ENDS.get(progress.stage, 0.0))

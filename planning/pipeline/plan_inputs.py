@@ -114,7 +114,9 @@ def find_goals(resolved: ResolvedProblem) -> PlanContext:
     resolved.report_progress(Progress("goals", 0.02, "looking for goal configurations"))
     with resolved.watch.stage("goals"):
         start, clipped = validate_start(world, group, resolved.requested_start, margins)
-        problem = replace(problem, retime=resolve_retiming(world, group, problem.retime, start))
+        timing = resolve_retiming(world, group, problem.retime, start)
+        if timing is not problem.retime:
+            problem = replace(problem, retime=timing)
         constraints = compile_constraints(world, group, problem.constraints, start)
         query = GoalQuery(group, problem.goal, start, margins, problem.ik, constraints=constraints)
         goals, lines = _find_configurations(world, query, problem.seed, deadline.at_fraction(0.5))

@@ -107,5 +107,4 @@ def _search_padded(
     report = (
         result.report if gcs_planner is None else gcs_planner.with_regions_report(result.report)
     )
-    goal_row = int(rows[result.goal_row])
-    return replace(result, path=result.path.continuous, goal_row=goal_row, report=report)
+    return SearchResult(result.path.continuous, int(rows[result.goal_row]), report, result.graph)

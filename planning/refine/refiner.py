@@ -5,7 +5,6 @@ Two methods do the work: convex steps (`convex_steps`) and Drake's kinematic tra
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from planning.domain.report.stage_reports import RefineReport
 from planning.domain.request.deadline import Deadline
@@ -45,11 +44,11 @@ def refine(
             path is to be used; and a report with the reason.
     """
     path, method = request.path, request.options.method
-    report = RefineReport(method, improved=False, length_before=path.length)
     stage_deadline = deadline.at_fraction(_TIME_SHARE)
     skip_reason = _skip_reason(request, stage_deadline)
+    report = RefineReport(method, improved=False, length_before=path.length, reason=skip_reason)
     if skip_reason:
-        return None, replace(report, reason=skip_reason)
+        return None, report
     return REFINERS[method].refine(world, request, stage_deadline, report)
 
 

@@ -152,12 +152,12 @@ class AttemptSchedule:
 
     def _run(self, k: int, query: Query) -> AttemptResult:
         names = query.options.planners
-        name, parameters = names[k % len(names)], query.parameters
+        name, attempt_query = names[k % len(names)], query
         if len(names) > 1:
-            parameters = own_parameters(name, parameters)
+            parameters = own_parameters(name, query.parameters)
+            attempt_query = replace(query, planner=name, parameters=parameters)
         clock, fine = query.deadline.clock, self._resolution.fine
         began, states, edges = clock(), query.oracle.num_states, fine.num_motions
-        attempt_query = replace(query, planner=name, parameters=parameters)
         trial = verified_attempt(attempt_query, self._resolution, self._seeds[k])
         return AttemptResult(
             planner=name,

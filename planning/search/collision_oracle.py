@@ -121,6 +121,11 @@ class WatchedOracle:
         """Use another deadline from now on; inside an `with_deadline` context, up to its end."""
         self._deadline = deadline
 
+    @property
+    def native_checker(self) -> Any | None:
+        """The kernel's checker of the joints, if the oracle has one and they do not wrap."""
+        return None if self._wrapping.indices else getattr(self.inner, "native_checker", None)
+
     def check_deadline(self) -> None:
         """Raise if the search must end now.
 

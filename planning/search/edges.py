@@ -1,12 +1,14 @@
 """EdgeChecker: validity of an edge (a geodesic between two configurations) by sampling."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
 from planning.domain.arrays import Array
 from planning.domain.robot.manifold import Manifold
+from planning.kernel.native import native
 from planning.search.collision_oracle import WatchedOracle
 
 
@@ -98,6 +100,41 @@ class EdgeChecker:
             return index
         pairs = zip(*np.broadcast_arrays(q0s, q1s), strict=True)
         return next((i for i, (q0, q1) in enumerate(pairs) if self.is_free(q0, q1)), count)
+
+    @property
+    def uses_kernel(self) -> bool:
+        """Whether `in_kernel` may be called: for joints that neither wrap nor float."""
+        return self.is_euclidean and native() is not None
+
+    def in_kernel(self, function: str, *arguments: Any) -> Array:
+        """Return what a function of the kernel makes of a path by these edges, shape (m, nq).
+
+        The kernel asks its own checker, if the oracle has one, and this checker where that is not
+        sure; the counters go on.
+
+        Args:
+            function: Its name.
+            arguments: Those after the edges.
+
+        Raises:
+            Canceled: The request was canceled.
+            DeadlineExceeded: The time has run out.
+        """
+        module: Any = native()
+        oracle = self._oracle
+        edges = module.CheckedEdges(
+            oracle.native_checker,
+            self.manifold.num_positions,
+            self.resolution,
+            oracle.check_deadline,
+            self.are_free,
+            self.first_free,
+        )
+        try:
+            return getattr(module, function)(edges, *arguments)
+        finally:
+            self.num_motions += edges.num_edges
+            oracle.num_states += edges.num_states
 
     def lengths(
         self, q0s: Float64[np.ndarray, "*#m nq"], q1s: Float64[np.ndarray, "*#m nq"]

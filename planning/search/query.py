@@ -115,7 +115,8 @@ def _make_space(
     group: JointGroup, limits: JointLimits, task: SearchTask, weights: Array
 ) -> SearchSpace:
     anchors = np.concatenate([task.start[None], task.goals])
-    held_indices = held_rotations(group, task.options.spaces)
+    spaces = task.options.spaces
+    held_indices = held_rotations(group, spaces) if spaces else []
     if task.residual is not None:
         return ProjectedSpace(group, limits, anchors, task.residual)
     if steering_of(group):
@@ -136,10 +137,9 @@ def _admissible_goals(
     Raises:
         NoPathFound: There is none, or the start itself is inadmissible.
     """
-    evidence = {"planner": ", ".join(task.options.planners), "padding": task.padding}
     if not (space.contains(task.start[None])[0] and oracle.is_free(task.start)):
         message = "the start violates the position limits, search.bounds or the required clearance"
-        raise NoPathFound(message, evidence | {"reason": "start"})
+        raise NoPathFound(message, _evidence(task) | {"reason": "start"})
     rows = np.flatnonzero(space.contains(task.goals))
     rows = rows[oracle.are_free(task.goals[rows])] if len(rows) else rows
     if not len(rows):
@@ -147,5 +147,10 @@ def _admissible_goals(
             "every goal violates the position limits, search.bounds, a rotation that search.spaces "
             "holds, or the required clearance"
         )
-        raise NoPathFound(message, evidence | {"reason": "goals", "num_goals": len(task.goals)})
+        evidence = {"reason": "goals", "num_goals": len(task.goals)}
+        raise NoPathFound(message, _evidence(task) | evidence)
     return rows
+
+
+def _evidence(task: SearchTask) -> dict[str, Any]:
+    return {"planner": ", ".join(task.options.planners), "padding": task.padding}

@@ -25,6 +25,8 @@ def metric_weights(
         UnknownName: There is no such joint or block.
         ProblemInvalid: A weight is not between 0.001 and 1000.
     """
+    if not weights:
+        return np.ones(len(group.blocks))
     joints = {name: joint.name for joint in group.joints for name, _ in joint.blocks}
     known = {*joints, *joints.values()}
     for name, weight in weights.items():
@@ -48,6 +50,8 @@ def bounded_limits(
         UnknownName: There is no such position coordinate.
         ProblemInvalid: Bounds are not an interval within the limits, or are those of a quaternion.
     """
+    if not bounds:
+        return limits
     lower, upper = limits.lower.copy(), limits.upper.copy()
     quaternions = {
         name
@@ -75,6 +79,8 @@ def resolve_space(group: JointGroup, spaces: Mapping[str, str | Steering]) -> Jo
         UnknownName: There is no such planar joint.
         ProblemInvalid: A turning radius is out of range, or the robot itself cannot drive so.
     """
+    if not spaces:
+        return group
     requested = {name: how for name, how in spaces.items() if isinstance(how, Steering)}
     if not requested:
         return group

@@ -120,7 +120,8 @@ class DrakeModel:
         state: Float64[np.ndarray, " num_positions"],
     ) -> Array:
         """Return full configurations: the group at q, mimics following, the rest at `state`."""
-        full = np.broadcast_to(state, (*q.shape[:-1], len(state))).copy()
+        full = np.empty((*q.shape[:-1], len(state)))
+        full[...] = state
         full[..., self.position_indices(group)] = q
         return self.apply_couplings(full)
 
@@ -132,7 +133,7 @@ class DrakeModel:
 
     def _indices(self, group: JointGroup) -> tuple[Indices, Indices]:
         """Return both index arrays, cached by group."""
-        names = tuple(joint.name for joint in group.joints)
+        names = group.joint_names
         found = self._index_cache.get(names)
         if found is None:
             joints: list[Any] = [self.plant.get_joint(self.joint_indices[name]) for name in names]

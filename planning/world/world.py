@@ -117,14 +117,14 @@ class World:
         Raises:
             ModelInvalid: No position of a leader keeps both its own limits and its follower's.
         """
-        key = _joint_key(group)
+        key = group.joint_names
         if key not in self._limits:
             self._limits[key] = combine_limits(*self.stated_limits(group))
         return self._limits[key]
 
     def stated_limits(self, group: JointGroup) -> tuple[JointLimits, tuple[Follower, ...]]:
         """Return the group's own limits, without those of its followers, and its followers."""
-        key = _joint_key(group)
+        key = group.joint_names
         if key not in self._stated_limits:
             followers = followers_of(self.drake, group, self._robots)
             self._stated_limits[key] = (
@@ -136,7 +136,7 @@ class World:
     def with_limits(self, group: JointGroup, limits: JointLimits) -> "World":
         """Return this world with other limits of a group; all that is loaded is shared."""
         other = copy(self)
-        other._limits = {**self._limits, _joint_key(group): limits}  # noqa: SLF001  (one of its own)
+        other._limits = {**self._limits, group.joint_names: limits}  # noqa: SLF001  (one of its own)
         return other
 
     def configurations(self, group: JointGroup) -> dict[str, Array]:
@@ -264,7 +264,3 @@ class World:
     def robot_groups(self) -> list[RobotGroups]:
         """Groups of each robot, in order."""
         return self._robot_groups
-
-
-def _joint_key(group: JointGroup) -> tuple[str, ...]:
-    return tuple(joint.name for joint in group.joints)

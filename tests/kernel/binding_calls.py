@@ -24,6 +24,7 @@ from tests.kernel.call_rules import (
 )
 from tests.kernel.curve_calls import curve_calls
 from tests.kernel.load_calls import load_calls
+from tests.kernel.shortcut_calls import shortcut_calls
 from tests.kernel.timing_calls import timing_calls
 
 IDENTITY = np.array([1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0, 0, 0, 0])
@@ -225,6 +226,9 @@ def calls() -> dict[str, Call]:
             made.with_poses, geometries=(np.array([0, 4]), INDICES),
             X_LG=(np.stack([IDENTITY, IDENTITY]), EXACT),
         ),
+        "Scene.near_geometries": call(
+            made.near_geometries, full=(STATE, EXACT), first=(4, INDEX), reach=(0.1, SCALAR)
+        ),
         "Scene.has_near_pair": call(
             made.has_near_pair, full=(STATE, EXACT), reach=(0.1, SCALAR)
         ),
@@ -233,6 +237,7 @@ def calls() -> dict[str, Call]:
             kernel=("base", OBJECT),
         ),
         "Checker.check": call(checker().check, qs=(qs, ROWS)),
+        "Checker.check_free": call(checker().check_free, qs=(qs, ROWS)),
         "Checker.check_one": call(checker().check_one, q=(q, EXACT)),
         "Checker.check_motions": call(
             checker().check_motions, origins=(qs, ROWS), displacements=(qs + 0.3, EXACT),
@@ -263,12 +268,11 @@ def calls() -> dict[str, Call]:
             trees().solve, is_free=(lambda *_: False, OBJECT), report=(lambda: None, OBJECT),
             max_states=(100.0, ANY), max_samples=(100.0, ANY),
         ),
-        "relax_path": call(
-            module.relax_path, waypoints=(np.cumsum(np.eye(4), axis=0), ANY),
-            max_sweeps=(3, ANY), min_gain=(0.01, SCALAR), first_whole_fraction=(0.5, SCALAR),
-            max_whole_fraction=(0.8, SCALAR), growth=(2.0, SCALAR), shrinkage=(0.4, SCALAR),
-            are_free=(lambda q0s, _: np.ones(len(q0s), dtype=bool), OBJECT),
-            is_over=(lambda: False, OBJECT),
+        **shortcut_calls(checker()),
+        "first_of_clusters": call(
+            module.first_of_clusters, rows=(with_ball, ROWS),
+            targets=(np.zeros(3, np.int64), EXACT),
+            is_periodic=(np.ones(11, dtype=bool), ANY), tolerance=(1e-3, SCALAR),
         ),
         "IkTolerance": call(
             module.IkTolerance, box=(np.zeros(3), EXACT), freedom=(module.Freedom.CONE, KIND),

@@ -137,6 +137,25 @@ def test_batches_motions_and_single_questions_agree(kernel: str) -> None:
             assert verdicts[j] == FREE
 
 
+@pytest.mark.parametrize("kernel", batch_kernels())
+def test_what_was_asked_before_changes_no_verdict(kernel: str) -> None:
+    """The pair that blocked the last motion is tried first: verdicts and samples are the same."""
+    rng = np.random.default_rng(9)
+    compared = ComparedRobot.of(_robot_that_does_not_float())
+    origins = compared.configurations(rng, 60, 0.3)
+    steps = rng.normal(0.0, 0.3, origins.shape)
+    anew = [
+        compared.checker(0.01, kernel).check_motions(origins[j : j + 1], steps[j : j + 1], 0.05)
+        for j in range(len(origins))
+    ]
+    checker = compared.checker(0.01, kernel)
+    for j in rng.permutation(len(origins)):
+        verdict, unsure = checker.check_motions(origins[j : j + 1], steps[j : j + 1], 0.05)
+        assert verdict[0] == anew[j][0][0]
+        np.testing.assert_array_equal(unsure, anew[j][1])
+    assert {int(verdict[0]) for verdict, _ in anew} >= {FREE, COLLIDING}
+
+
 @pytest.mark.parametrize(("reach", "expected"), [(0.0, FREE), (0.6, UNSURE)])
 def test_what_the_group_does_not_move_is_judged_once(reach: float, expected: int) -> None:
     """A slider outside of the group touches a wall or does not: if so, nothing is called free."""

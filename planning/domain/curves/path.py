@@ -1,6 +1,8 @@
 """JointPath: untimed waypoints joined by geodesics, which are arcs for steered bases."""
 
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float64
@@ -24,7 +26,7 @@ class JointPath(Value):
     group: JointGroup
     waypoints: Float64[np.ndarray, "n nq"]
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Sum of the geodesics' lengths (radians and metres weigh the same)."""
         manifold = manifold_of(self.group)
@@ -37,6 +39,8 @@ class JointPath(Value):
         The first waypoint stays as it is.
         """
         manifold = manifold_of(self.group)
+        if manifold.is_vector_space:
+            return JointPath(self.group, _running_sums(self.waypoints))
         rows = [self.waypoints[0]]
         for waypoint in self.waypoints[1:]:
             rows.append(manifold.plus(rows[-1], manifold.minus(waypoint, rows[-1])))
@@ -54,3 +58,11 @@ class JointPath(Value):
         if isinstance(manifold, SteeredManifold):
             return arcs_through(manifold, self.waypoints)
         return JointSpline.through(self.group.joints, self.waypoints)
+
+
+def _running_sums(waypoints: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n nq"]:
+    """Return each waypoint as the one before it plus the step to it, which may be rounded."""
+    rows = waypoints.tolist()
+    for before, here in pairwise(rows):
+        here[:] = [a + (b - a) for a, b in zip(before, here, strict=True)]
+    return np.array(rows)

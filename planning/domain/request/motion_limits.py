@@ -20,6 +20,9 @@ def validate_signed_blocks(names: Iterable[str], joints: Iterable[Joint]) -> Non
         UnknownName: A name is not; evidence lists the blocks that can be bounded, and those that
             cannot because they have several coordinates and so no sign.
     """
+    names = tuple(names)
+    if not names:
+        return
     blocks = [block for joint in joints for block in joint.blocks]
     single_coordinate_blocks = [name for name, indices in blocks if len(indices) == 1]
     by_norm = [name for name, indices in blocks if len(indices) > 1]

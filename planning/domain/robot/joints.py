@@ -31,6 +31,7 @@ _VELOCITIES = {
     JointType.FLOATING: ("wx", "wy", "wz", "x", "y", "z"),
 }
 _SCALAR = ("",)
+_IN_A_BOX = frozenset({JointType.REVOLUTE, JointType.PRISMATIC})
 _WRAPS = {
     JointType.CONTINUOUS: (True,),
     JointType.PLANAR: (False, False, True),
@@ -128,6 +129,16 @@ class JointGroup(Value):
     winding: tuple[str, ...] = ()
 
     caches_bytes = True
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Full name of every joint."""
+        return tuple([joint.name for joint in self.joints])
+
+    @cached_property
+    def has_scalar_joints(self) -> bool:
+        """Whether every joint has one coordinate with limits: q is a vector in a box."""
+        return _IN_A_BOX.issuperset([joint.type for joint in self.joints])
 
     @cached_property
     def position_names(self) -> tuple[str, ...]:

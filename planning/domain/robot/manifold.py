@@ -135,6 +135,8 @@ class Manifold(Value):
     def normalized(self, q: Float64[np.ndarray, "*n nq"]) -> Array:
         """Return q with unit quaternions."""
         unit = np.array(q)
+        if self.is_flat:
+            return unit
         for iq, _ in self._floating:
             a = unit[..., iq : iq + 4]
             unit[..., iq : iq + 4] = a / np.linalg.norm(a, axis=-1, keepdims=True)

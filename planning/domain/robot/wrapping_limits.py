@@ -28,6 +28,8 @@ class WrappingLimits:
     @classmethod
     def of(cls, group: JointGroup, limits: JointLimits) -> "WrappingLimits":
         """Return those of a group."""
+        if group.has_scalar_joints:
+            return _NO_LIMITS
         width = limits.upper - limits.lower
         indices: list[int] = []
         iq = 0
@@ -45,3 +47,7 @@ class WrappingLimits:
         return ((offsets <= self.widths + _ROUNDING) | (offsets >= 2 * np.pi - _ROUNDING)).all(
             axis=1
         )
+
+
+# Of joints that do not wrap.
+_NO_LIMITS = WrappingLimits([], np.empty(0), np.empty(0))

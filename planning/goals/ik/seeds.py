@@ -36,12 +36,17 @@ class Seeds:
         delta = rng.normal(0.0, _NEAR_DEVIATION, (_NUM_NEAR, self._manifold.num_velocities))
         near = np.clip(self._manifold.plus(start[None], delta), limits.lower, limits.upper)
         self._pending = np.concatenate([start[None], near])
+        self._num_quaternion_numbers = 0
+        if group.has_scalar_joints and np.isfinite([limits.lower, limits.upper]).all():
+            self._lower, self._upper = limits.lower, limits.upper
+            return
         half_range = np.concatenate([_default_range(joint.type) for joint in group.joints])
         self._lower = np.where(np.isfinite(limits.lower), limits.lower, start - half_range)
         self._upper = np.where(np.isfinite(limits.upper), limits.upper, start + half_range)
         self._quaternion_mask = np.concatenate([
             _is_quaternion(joint.type) for joint in group.joints
         ])
+        self._num_quaternion_numbers = int(self._quaternion_mask.sum())
 
     def take(self, count: int) -> Float64[np.ndarray, "count nq"]:
         """Return the next `count` seeds."""
@@ -55,10 +60,13 @@ class Seeds:
         """Return `count` uniform seeds, drawn in blocks of a fixed size for reproducibility."""
         blocks: list[Array] = []
         for _ in range(count // _BATCH_SIZE):
-            q = self._rng.uniform(self._lower, self._upper, (_BATCH_SIZE, len(self._lower)))
-            q[:, self._quaternion_mask] = self._rng.normal(
-                size=(_BATCH_SIZE, int(self._quaternion_mask.sum()))
-            )
+            # As `uniform` of both bounds, which takes four times as long.
+            q = self._rng.random((_BATCH_SIZE, len(self._lower)))
+            q = self._lower + (self._upper - self._lower) * q
+            if self._num_quaternion_numbers:
+                q[:, self._quaternion_mask] = self._rng.normal(
+                    size=(_BATCH_SIZE, self._num_quaternion_numbers)
+                )
             blocks.append(q)
         return self._manifold.normalized(np.concatenate(blocks))
 

@@ -127,10 +127,7 @@ class CandidateTiming:
 
     def along_path(self, curve: PathCurve, report: RefineReport) -> list[CandidateMotion]:
         """Return the candidate along a curve near the path, or none and store the failure."""
-        return [
-            replace(candidate, retime=replace(candidate.retime, blend_deviation=curve.deviation))
-            for candidate in self._retimed(curve.name, curve.spline, report)
-        ]
+        return self._retimed(curve.name, curve.spline, report, curve.deviation)
 
     def values(self, candidates: list[CandidateMotion]) -> ObjectiveValues | None:
         """Return the objectives of the first candidate, if they are to be reported."""
@@ -187,7 +184,7 @@ class CandidateTiming:
         return RetimingFailed(message, quickest.evidence)
 
     def _retimed(
-        self, name: str, spline: JointSpline, report: RefineReport
+        self, name: str, spline: JointSpline, report: RefineReport, deviation: float = 0.0
     ) -> list[CandidateMotion]:
         with self.watch.stage("retime"):
             try:
@@ -197,6 +194,8 @@ class CandidateTiming:
             except RetimingFailed as failure:
                 self.failures.append(failure)
                 return []
+        if deviation:
+            retime_report = replace(retime_report, blend_deviation=deviation)
         return [CandidateMotion(name, spline, trajectory, report, retime_report)]
 
     def _slowed(self, candidate: CandidateMotion, duration: float) -> CandidateMotion:

@@ -137,20 +137,13 @@ def grow(trees: Trees, query: Query, edges: EdgeChecker) -> Array | None:
     oracle = query.oracle
     states_before, motions_before = oracle.num_states, edges.num_motions
 
-    def count() -> None:
-        oracle.num_states = states_before + trees.num_states_checked
-        edges.num_motions = motions_before + trees.num_edges_checked
-
-    def report() -> None:
-        count()
-        oracle.check_deadline()
-
     oracle.check_deadline()
     try:
         most = query.max_checked_states
-        return trees.solve(report, most, _SAMPLES_PER_STATE * most)
+        return trees.solve(oracle.check_deadline, most, _SAMPLES_PER_STATE * most)
     finally:
-        count()
+        oracle.num_states = states_before + trees.num_states_checked
+        edges.num_motions = motions_before + trees.num_edges_checked
 
 
 def failure_evidence(trees: Trees) -> dict[str, Any]:

@@ -14,6 +14,7 @@ are measured by them too.
 import math
 import operator
 from collections.abc import Callable
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, Literal, override
 
@@ -67,20 +68,35 @@ class Objective:
         self.is_length = name == "length"
         self.is_euclidean = name not in {"weighted_length", "duration"}
         self._manifold = manifold_of(group)
-        self._blocks = [list(block) for block in limits.blocks]
-        self._velocity = limits.velocity
-        # For a vector space every block is one coordinate.
-        self._inverse_velocity = (1 / limits.velocity).tolist()
-        self._weights = np.empty(group.num_velocities)
-        for block, weight in zip(self._blocks, weights, strict=True):
-            self._weights[block] = weight
-        self._weight_list = self._weights.tolist()
+        self._velocity, self._block_weights = limits.velocity, weights
+        self._limited_blocks = limits.blocks
         self._clearances = clearances or _unit_distances
         self._distance_cache: dict[bytes, float] = {}
         # With weights OMPL's own length is the weighted one, not the plain one.
         self._is_ompl_length = name == "weighted_length" or (
             self.is_length and (weights == 1).all()
         )
+
+    @cached_property
+    def _blocks(self) -> list[list[int]]:
+        return [list(block) for block in self._limited_blocks]
+
+    @cached_property
+    def _inverse_velocity(self) -> list[float]:
+        """For a vector space, where every block is one coordinate."""
+        return (1 / self._velocity).tolist()
+
+    @cached_property
+    def _weights(self) -> Array:
+        """Of coordinates, shape (nv,)."""
+        weights = np.empty(self._manifold.num_velocities)
+        for block, weight in zip(self._blocks, self._block_weights, strict=True):
+            weights[block] = weight
+        return weights
+
+    @cached_property
+    def _weight_list(self) -> list[float]:
+        return self._weights.tolist()
 
     def norm(self, delta: Float64[np.ndarray, "*n nv"]) -> Array:
         """Return the norm of tangents, shape (...); for "clearance" it is the length."""

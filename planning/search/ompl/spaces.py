@@ -48,7 +48,6 @@ class SearchSpace:
         manifold: The same set with our metric.
         lower: Lower search bounds, finite but for circles and quaternions, shape (nq,).
         upper: Upper search bounds, likewise, shape (nq,).
-        is_mixed: Whether it is a compound for which OMPL has no class.
         is_box: Whether OMPL's states are q itself, in a box of real numbers.
     """
 
@@ -73,22 +72,42 @@ class SearchSpace:
         self.lower, self.upper = _search_bounds(group, limits, anchors)
         self._held_indices = list(held_indices)
         self._start = anchors[0]
-        block_weights = np.ones(len(group.blocks)) if weights is None else weights
-        components = space_components(group, block_weights, self._held_indices)
+        self._group = group
+        self._block_weights = np.ones(len(group.blocks)) if weights is None else weights
+        self.is_box = (
+            group.has_scalar_joints
+            and not self._held_indices
+            and bool((self._block_weights == 1).all())
+        )
+
+    @cached_property
+    def _components(self) -> list[SpaceComponent]:
+        return space_components(self._group, self._block_weights, self._held_indices)
+
+    @cached_property
+    def is_mixed(self) -> bool:
+        """Whether it is a compound for which OMPL has no class."""
+        components = self._components
         # A single circle becomes a compound as well: `setup` of SO2StateSpace is not bound.
         is_single_circle = components[0].kind is JointType.CONTINUOUS
-        self.is_mixed = len(components) > 1 or is_single_circle or components[0].weight != 1
-        self._from_q = [i for part in components for i in part.indices]
-        self._scale = np.array([scale for part in components for scale in value_scales(part)])
-        self.is_box = (
-            not (self.is_mixed or self._held_indices or (self._scale != 1).any())
-            and components[0].kind is JointType.REVOLUTE
-        )
-        self._components = components
-        self._to_q = [int(i) for i in np.argsort(self._from_q)]
-        self._angles = [
-            i for i, wraps in zip(self._from_q, are_angles(components), strict=True) if wraps
-        ]
+        return len(components) > 1 or is_single_circle or components[0].weight != 1
+
+    @cached_property
+    def _from_q(self) -> list[int]:
+        return [i for part in self._components for i in part.indices]
+
+    @cached_property
+    def _to_q(self) -> list[int]:
+        return [int(i) for i in np.argsort(self._from_q)]
+
+    @cached_property
+    def _scale(self) -> Array:
+        return np.array([scale for part in self._components for scale in value_scales(part)])
+
+    @cached_property
+    def _angles(self) -> list[int]:
+        values = zip(self._from_q, are_angles(self._components), strict=True)
+        return [i for i, wraps in values if wraps]
 
     @cached_property
     def ompl(self) -> Any:
@@ -148,7 +167,7 @@ class SearchSpace:
 
     def bounded(self, q: Float64[np.ndarray, "*n nq"]) -> Array:
         """Return configurations clipped to the search bounds, shape (..., nq)."""
-        return np.clip(self.manifold.normalized(q), self.lower, self.upper)
+        return np.minimum(np.maximum(self.manifold.normalized(q), self.lower), self.upper)
 
     def with_held_values(self, qs: Float64[np.ndarray, "m nq"]) -> Array:
         """Return configurations, shape (m, nq), with held coordinates at their start values."""
@@ -215,6 +234,11 @@ class SearchSpace:
 
 def _search_bounds(group: JointGroup, limits: JointLimits, anchors: Array) -> tuple[Array, Array]:
     """Return position bounds, finite wherever OMPL requires that."""
+    if (
+        group.has_scalar_joints
+        and np.isfinite(limits.lower).all() & np.isfinite(limits.upper).all()
+    ):
+        return limits.lower, np.maximum(limits.upper, limits.lower + _MIN_WIDTH)
     default_lower = np.minimum(-_DEFAULT_BOUND, anchors.min(axis=0) - _ANCHOR_MARGIN)
     default_upper = np.maximum(_DEFAULT_BOUND, anchors.max(axis=0) + _ANCHOR_MARGIN)
     lower = np.where(np.isfinite(limits.lower), limits.lower, default_lower)

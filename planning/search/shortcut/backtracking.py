@@ -25,6 +25,19 @@ def backtrack(
         free_path: A path with the same ends and number of waypoints, whose edges are free.
         fine: Checker of edges.
     """
+    if fine.uses_kernel:
+        return fine.in_kernel(
+            "backtrack", desired_path, free_path, _FIRST_FRACTION, _GROWTH_FACTOR, _MAX_FRACTION
+        )
+    return backtrack_in_numpy(desired_path, free_path, fine)
+
+
+def backtrack_in_numpy(
+    desired_path: Float64[np.ndarray, "n nq"],
+    free_path: Float64[np.ndarray, "n nq"],
+    fine: EdgeChecker,
+) -> Array:
+    """Return the same for any joints; what the kernel is compared with."""
     path = desired_path.copy()
     toward_free = fine.manifold.minus(free_path, desired_path)
     fractions = np.zeros(len(path))

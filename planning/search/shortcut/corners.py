@@ -22,6 +22,16 @@ def cut_corners(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> A
         edges: Checker of new edges; an edge is cut only at its checked samples, so that the rest of
             it needs no check (see `polyline.subdivide`).
     """
+    if not edges.uses_kernel:
+        return cut_corners_in_numpy(waypoints, edges)
+    shorter = edges.in_kernel("cut_corners", waypoints, _CUT_FRACTIONS, _MIN_GAIN)
+    return shorter if len(shorter) else None
+
+
+def cut_corners_in_numpy(
+    waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker
+) -> Array | None:
+    """Return the same for any joints; what the kernel is compared with."""
     if len(waypoints) < 3:
         return None
     manifold = edges.manifold

@@ -22,7 +22,6 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array
 from planning.domain.robot.manifold import Manifold
-from planning.kernel.native import native
 from planning.search.edges import EdgeChecker
 from planning.search.shortcut.polyline import length_by_norm
 
@@ -60,17 +59,16 @@ def relax(
         edges: Checker of the new edges.
         is_over: Called before each sweep.
     """
-    module = native()
-    if module is not None and edges.is_euclidean:
-        return module.relax_path(
-            np.ascontiguousarray(waypoints),
+    if edges.uses_kernel:
+        return edges.in_kernel(
+            "relax_path",
+            waypoints,
             _MAX_SWEEPS,
             _MIN_GAIN,
             _FIRST_WHOLE_FRACTION,
             _MAX_WHOLE_FRACTION,
             _STEP_GROWTH,
             _STEP_SHRINKAGE,
-            edges.are_free,
             is_over,
         )
     return relax_in_numpy(waypoints, edges, is_over)

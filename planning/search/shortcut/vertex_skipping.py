@@ -30,6 +30,16 @@ def skip_vertices(
         edges: Checker of all edges.
         is_over: Whether there is time only for the given path's own edges.
     """
+    if not edges.uses_kernel:
+        return skip_vertices_in_numpy(waypoints, edges, is_over)
+    path = edges.in_kernel("skip_vertices", waypoints, is_over)
+    return path if len(path) else None
+
+
+def skip_vertices_in_numpy(
+    waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker, is_over: Callable[[], bool]
+) -> Array | None:
+    """Return the same for any joints; what the kernel is compared with."""
     last = len(waypoints) - 1
     chain, untried = [0], [last]
     is_dead = np.zeros(last + 1, dtype=bool)
@@ -58,6 +68,13 @@ def tighten(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> Array
     It may leave the given path at points on its edges too, like a rope pulled around a corner from
     the goal's side; `skip_vertices` starts at the other end.
     """
+    if edges.uses_kernel:
+        return edges.in_kernel("tighten", waypoints, _PARTS_PER_EDGE)
+    return tighten_in_numpy(waypoints, edges)
+
+
+def tighten_in_numpy(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> Array:
+    """Return the same for any joints; what the kernel is compared with."""
     points = subdivide(waypoints, edges, _PARTS_PER_EDGE).in_reverse
     chain = [0]
     while chain[-1] < len(points.qs) - 1:

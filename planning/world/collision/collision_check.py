@@ -276,7 +276,7 @@ class DistanceProbe:
         static_rows = {near_static.row(i) for i in ids} - {None}
         is_in_batch = static_rows <= chosen if static_rows else is_first
         bodies = near_static.bodies(ids) if is_in_batch else None
-        is_measured_here = near_static.are_boxes(ids) and drake_pair.distance > 0
+        is_measured_here = drake_pair.distance > 0 and near_static.are_boxes(ids)
         if not bodies or is_measured_here:
             return None
         is_drakes = self._measured_pairs.uses_drake_distance(ids, drake_pair.distance)

@@ -57,6 +57,8 @@ class HalfSpacePairs:
             query: Drake's query object, at the model's present state.
             max_distance: Largest distance [m], one for all pairs or one a pair.
         """
+        if not self.ids:
+            return
         max_distances = np.broadcast_to(max_distance, len(self.ids))
         for row, (ids, shapes) in enumerate(zip(self.ids, self.shapes, strict=True)):
             poses = [query.GetPoseInWorld(i).GetAsMatrix4() for i in ids]

@@ -5,6 +5,7 @@ objects whose bounding balls are within the query distance of a moving shape are
 result for a pair does not depend on the other registered objects.
 """
 
+import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import batched
@@ -24,6 +25,7 @@ from planning.world.collision.moving_shapes import MovingShapes, moving_shapes_o
 from planning.world.collision.static_objects import StaticObjects
 from planning.world.contexts import make_query_context
 from planning.world.drake_model import DrakeModel
+from planning.world.kernel.kernel_scene import kernel_scene_of
 
 type Ids = tuple[GeometryId, GeometryId]
 
@@ -223,6 +225,11 @@ class NearStatic:
     def _rows_within(self, max_distance: float) -> Indices:
         if not len(self._model.static_objects) or not self._moving.rows:
             return np.zeros(0, dtype=np.intp)
+        scene = kernel_scene_of(self._model)
+        if scene is not None and math.isfinite(max_distance):
+            return scene.near_objects(
+                self._model.plant.GetPositions(self.plant_context), max_distance
+            )
         return np.flatnonzero(self._ball_gaps()[0].min(axis=0) <= max_distance)
 
     def _ball_gaps(self) -> tuple[Array, Array]:

@@ -19,13 +19,13 @@ def obstacle_distances(world: World, group: JointGroup) -> Callable[[Array], Arr
     robots included; self-collision pairs are excluded, and nothing is computed before the function
     is first called.
     """
-    own = {joint.name.partition("::")[0] for joint in group.joints}
-    margins = world.margins()
-    probe = None
+    probe, own = None, set[str]()
 
     def measure(qs: Array) -> Array:
         nonlocal probe
-        probe = probe or world.distance_probe(margins)
+        if probe is None:
+            own.update(joint.name.partition("::")[0] for joint in group.joints)
+            probe = world.distance_probe(world.margins())
         full = world.embed(group, qs)
         return np.array([
             min(

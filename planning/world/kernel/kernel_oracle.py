@@ -57,6 +57,11 @@ class KernelCollisionOracle:
         )
         self._has_linear_motions = group.num_positions == group.num_velocities
 
+    @property
+    def native_checker(self) -> Any | None:
+        """The kernel's checker, where motions are straight lines of q."""
+        return self._checker if self._has_linear_motions else None
+
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether all pairs keep their margins with the group at q, shape (nq,)."""
         verdict = self._checker.check_one(q)
@@ -67,9 +72,7 @@ class KernelCollisionOracle:
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the same for each row."""
-        verdicts = self.verdicts(qs)
-        free = verdicts == self._free
-        undecided = np.flatnonzero(verdicts == self._undecided)
+        free, undecided = self._checker.check_free(qs)
         if len(undecided):
             self.num_undecided += len(undecided)
             free[undecided] = self._drake_oracle.are_free(qs[undecided])
@@ -207,5 +210,4 @@ class KernelCollisionOracle:
 
 def pair_thresholds(scene: KernelScene, margins: PairMargins) -> Array:
     """Return margin and touching distance of every pair [m], shape (n, 2)."""
-    margin = scene.pair_margins(margins)
-    return np.column_stack([margin, margin])
+    return np.repeat(scene.pair_margins(margins)[:, None], 2, axis=1)

@@ -8,7 +8,7 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float64, Int64
 from pydrake.geometry import GeometryId
 from pydrake.math import RigidTransform
 
@@ -25,6 +25,8 @@ from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.kernel.kernel_tree import add_tree, flat_transform
 from planning.world.kernel.link_tree import WORLD, link_tree
 
+# Difference of kinematics in the kernel and in Drake, and more [m].
+_ROUNDING = 1e-9
 # Number of cached margins of all pairs.
 _MAX_MARGINS = 16
 _EMPTY_COVERING = Covering(np.zeros((0, 4)), np.zeros((0, 4)), np.zeros(4), 0.0)
@@ -70,6 +72,16 @@ class KernelScene:
         """Return whether any pair may be nearer than a distance [m]; if not, none is."""
         return self.native.has_near_pair(full, distance)
 
+    def near_objects(
+        self, full: Float64[np.ndarray, " num_positions"], distance: float
+    ) -> Int64[np.ndarray, " n"]:
+        """Return the rows of objects outside of Drake's model that may be near a moving shape.
+
+        None that is left out is within the distance [m].
+        """
+        first = self.candidates.num_drake_shapes
+        return self.native.near_geometries(full, first, distance + _ROUNDING)
+
     def pair_margins(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
         """Return the margin of every pair [m]; as `PairMargins.of`, but of all pairs at once."""
         key = margins.default, tuple(margins.by_pair.items()), tuple(margins.owners.items())
@@ -77,7 +89,10 @@ class KernelScene:
         if found is None:
             if len(self._margins_of_pairs) >= _MAX_MARGINS:
                 self._margins_of_pairs.clear()
-            found = self.by_pair(margins.of, margins.by_pair)
+            # No margin within one robot; `of` for the exceptions alone.
+            found = np.where(self.is_of_one_robot, 0.0, margins.default)
+            for pair in margins.by_pair:
+                found[self._rows_by_names.get(pair, [])] = margins.of(*pair)
             found.setflags(write=False)
             self._margins_of_pairs[key] = found
         return found

@@ -15,6 +15,9 @@ from planning.world.drake_model import DrakeModel
 from planning.world.kernel.link_tree import LinkTree, link_tree
 
 _cache: WeakKeyDictionary[RobotDiagram, tuple[Any, LinkTree] | None] = WeakKeyDictionary()
+# Chains of a diagram, by joints, frame and state: goals, limits and reports ask for the same.
+_chains: WeakKeyDictionary[RobotDiagram, dict[tuple[Any, ...], Any]] = WeakKeyDictionary()
+_MAX_CHAINS = 64
 
 
 def kernel_chain(
@@ -28,6 +31,23 @@ def kernel_chain(
     module, known = native(), tree_scene(model)
     if module is None or known is None:
         return None
+    chains = _chains.setdefault(model.diagram, {})
+    key = group.joint_names, frame, state.tobytes()
+    # Frames of objects outside of Drake's model are not the same in all models of a diagram.
+    found = chains.get(key) if frame in model.frames else None
+    if found is None:
+        found = _make_chain(model, group, state, frame, known)
+        if len(chains) >= _MAX_CHAINS:
+            chains.clear()
+        if frame in model.frames:
+            chains[key] = found
+    return found
+
+
+def _make_chain(
+    model: DrakeModel, group: JointGroup, state: Array, frame: str, known: tuple[Any, LinkTree]
+) -> Any:
+    module: Any = native()
     scene, tree = known
     tool = model.frame(frame)
     link, x_lb = tree.bodies[int(tool.body)]

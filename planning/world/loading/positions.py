@@ -25,14 +25,18 @@ def validate_positions(group: JointGroup, q: Any, field: str) -> Array:
         ProblemInvalid: The count is wrong, a number is not finite, or a quaternion is zero.
     """
     positions = np.array(q, dtype=np.float64)
-    names = list(group.position_names)
-    if positions.shape != (len(names),):
+    if positions.shape != (group.num_positions,):
+        names = list(group.position_names)
         message = f"{field}: {group.name} has {len(names)} positions {names}, got {positions.size}"
         raise ProblemInvalid(message, {"field": field, "expected": names, "got": positions.size})
     if not np.isfinite(positions).all():
-        bad = [name for name, x in zip(names, positions, strict=True) if not np.isfinite(x)]
+        named = zip(group.position_names, positions, strict=True)
+        bad = [name for name, x in named if not np.isfinite(x)]
         message = f"{field}: {bad} must be finite"
         raise ProblemInvalid(message, {"field": field, "joints": bad})
+    if group.has_scalar_joints:
+        positions.flags.writeable = False
+        return positions
     _validate_quaternions(group, positions, field)
     unit = Manifold.of(group.joints).normalized(positions)
     unit.flags.writeable = False

@@ -18,7 +18,9 @@ from planning.errors import PlanningFailure, SceneInvalid, UnknownName
 from planning.kernel.native import native
 from planning.world.collision.collision_check import DrakeCollisionOracle
 from planning.world.collision.collision_pairs import collision_pairs_of
+from planning.world.collision.near_static import NearStatic
 from planning.world.constraints.body_pairs import banded_pairs
+from planning.world.kernel.kernel_scene import kernel_scene_of
 from planning.world.mechanics.simulation import Simulation
 from planning.world.replay.replay_writer import replay_html
 from planning.world.world import World
@@ -385,3 +387,20 @@ def test_a_chain_of_frames_is_as_long_as_a_scene_may_have() -> None:
     expected = tool @ Pose.from_parts((1.0, 0.0, 0.0))
     assert max(end.distance(expected)) < 1e-6
     assert max(world.frame_pose("lid", world.state).distance(expected)) < 1e-6
+
+
+@pytest.mark.parametrize("distance", [0.0, 0.05, 0.3, 2.0])
+def test_no_object_that_is_near_is_left_out(distance: float) -> None:
+    """Rows of objects by the kernel's kinematics are those by Drake's bounding balls, or more."""
+    world = bundled_world("panda_shelf")
+    group, model = world.groups[0], world.drake
+    limits, rng = world.limits(group), rng_of(3)
+    scene, near_static = kernel_scene_of(model), NearStatic.shared(model)
+    assert scene is not None
+    for _ in range(num_cases(10)):
+        full = world.embed(group, rng.uniform(limits.lower, limits.upper))
+        near_static.set_positions(full)
+        gaps = near_static._ball_gaps()[0].min(axis=0)
+        rows = scene.near_objects(full, distance)
+        assert set(np.flatnonzero(gaps <= distance)) <= set(rows.tolist())
+        assert set(rows.tolist()) <= set(np.flatnonzero(gaps <= distance + 1e-6))

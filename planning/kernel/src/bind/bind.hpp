@@ -10,7 +10,6 @@ namespace wayproof {
 
 namespace nb = nanobind;
 
-void bind_kinds(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_checker(nb::module_& m);
 void bind_ik(nb::module_& m);
@@ -20,6 +19,7 @@ void bind_curve(nb::module_& m);
 void bind_timing(nb::module_& m);
 void bind_retime(nb::module_& m);
 void bind_search(nb::module_& m);
+void bind_shortcut(nb::module_& m);
 void bind_dynamics(nb::module_& m);
 void bind_torques(nb::module_& m);
 void bind_loads(nb::module_& m);

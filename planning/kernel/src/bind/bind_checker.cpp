@@ -49,6 +49,20 @@ auto check(const Checker& checker, const Doubles& qs) {
   return array_of(numbers_of(verdicts), verdicts.size());
 }
 
+// Whether each does not collide, and the numbers of those that are unsure.
+auto check_free(const Checker& checker, const Doubles& qs) {
+  const Table rows = table(qs, columns(checker), "qs");
+  std::vector<Verdict> verdicts(rows.rows);
+  {
+    nb::gil_scoped_release released;
+    checker.check(rows.all(), verdicts);
+  }
+  std::vector<std::int64_t> unsure;
+  for (std::size_t i = 0; i < verdicts.size(); ++i)
+    if (verdicts[i] == Verdict::unsure) unsure.push_back(static_cast<std::int64_t>(i));
+  return nb::make_tuple(flags_of(verdicts), array_of(unsure, unsure.size()));
+}
+
 int check_one(const Checker& checker, const Doubles& q) {
   Verdict verdict{};
   checker.check(row(q, columns(checker), "q"), {&verdict, 1});
@@ -146,6 +160,7 @@ void bind_checker(nb::module_& m) {
       .def("__init__", &make, nb::arg("scene"), nb::arg("positions"), nb::arg("velocities"), nb::arg("state"),
            nb::arg("thresholds"), nb::arg("kernel") = "")
       .def("check", &check, nb::arg("qs"))
+      .def("check_free", &check_free, nb::arg("qs"))
       .def("check_one", &check_one, nb::arg("q"))
       .def("check_motions", &check_motions, nb::arg("origins"), nb::arg("displacements"), nb::arg("resolution"))
       .def("check_motion", &check_motion, nb::arg("origin"), nb::arg("displacement"), nb::arg("resolution"))

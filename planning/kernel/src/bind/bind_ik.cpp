@@ -7,6 +7,7 @@
 
 #include "bind/arguments.hpp"
 #include "bind/bind.hpp"
+#include "ik/distinct.hpp"
 #include "ik/ik_model.hpp"
 #include "math/aligned.hpp"
 #include "model/kinematics.hpp"
@@ -103,6 +104,20 @@ auto solve(const Chain& c, const Doubles& seeds, const Integers& target_of, cons
   return nb::make_tuple(array_of(converged, prefix), array_of(q, prefix, nq), array_of(iterations, prefix));
 }
 
+auto distinct(const Doubles& rows, const Integers& targets,
+              const nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>& is_periodic,
+              double tolerance) {
+  const std::size_t nq = is_periodic.shape(0);
+  require(nq > 0, "is_periodic is empty");
+  const Table configurations = table(rows, nq, "rows");
+  const auto which = row(targets, "targets");
+  require(which.size() == configurations.rows, "targets does not have a number for each row");
+  const std::vector<bool> periodic(is_periodic.data(), is_periodic.data() + nq);
+  const auto first =
+      first_of_clusters(finite(configurations.all(), "rows"), which, periodic, positive(tolerance, "tolerance"));
+  return array_of(first, first.size());
+}
+
 }  // namespace
 
 void bind_ik(nb::module_& m) {
@@ -122,6 +137,8 @@ void bind_ik(nb::module_& m) {
       .def("solve", &solve, nb::arg("seeds"), nb::arg("target_of"), nb::arg("targets"), nb::arg("lower"),
            nb::arg("upper"), nb::arg("tolerance"), nb::arg("enough"), nb::arg("max_iterations"),
            nb::arg("kernel") = "");
+  m.def("first_of_clusters", &distinct, nb::arg("rows"), nb::arg("targets"), nb::arg("is_periodic"),
+        nb::arg("tolerance"));
 }
 
 }  // namespace wayproof

@@ -145,6 +145,18 @@ bool is_any_near(const Scene& scene, const Doubles& full, double reach) {
   return has_near_pair(scene, numbers, reach);
 }
 
+auto are_near(const Scene& scene, const Doubles& full, std::int64_t first, double reach) {
+  const auto numbers = finite(row(full, static_cast<std::size_t>(scene.tree.num_positions), "full"), "full");
+  const int from = index(first, scene.geometries.size() + 1, "first");
+  finite(reach, "reach");
+  std::vector<std::int64_t> found;
+  {
+    nb::gil_scoped_release released;
+    found = near_geometries(scene, numbers, from, reach);
+  }
+  return array_of(found, found.size());
+}
+
 }  // namespace
 
 void bind_scene(nb::module_& m) {
@@ -168,7 +180,8 @@ void bind_scene(nb::module_& m) {
       .def("add_pair", &add_pair, nb::arg("a"), nb::arg("b"))
       .def("add_pairs", &add_pairs, nb::arg("rows"))
       .def("with_poses", &with_poses, nb::arg("geometries"), nb::arg("X_LG"))
-      .def("has_near_pair", &is_any_near, nb::arg("full"), nb::arg("reach"));
+      .def("has_near_pair", &is_any_near, nb::arg("full"), nb::arg("reach"))
+      .def("near_geometries", &are_near, nb::arg("full"), nb::arg("first"), nb::arg("reach"));
 }
 
 }  // namespace wayproof

@@ -1,5 +1,5 @@
-// Relaxation of a path; RrtConnect with a Checker's verdicts, where the interpreter is asked
-// about edges that are not sure, and told of the work.
+// RrtConnect with a Checker's verdicts, where the interpreter is asked about edges that are not sure, and told of the
+// work.
 #include <nanobind/stl/shared_ptr.h>
 
 #include <cmath>
@@ -10,7 +10,6 @@
 #include "bind/arguments.hpp"
 #include "bind/bind.hpp"
 #include "checker/checker.hpp"
-#include "search/relax_path.hpp"
 #include "search/rrt_connect.hpp"
 
 namespace wayproof {
@@ -68,31 +67,6 @@ bool solve(CheckedConnect& self, const nb::callable& is_free, const nb::callable
   return self.trees.solve(is_edge_free, is_over);
 }
 
-// `are_free` says of rows of edges from .. to whether each is free.
-auto relax(const Doubles& waypoints, int max_sweeps, double min_gain, double first_whole_fraction,
-           double max_whole_fraction, double growth, double shrinkage, const nb::callable& are_free,
-           const nb::callable& is_over) {
-  require(waypoints.ndim() == 2 && waypoints.shape(1) > 0, "waypoints is not a table with a column per coordinate");
-  const std::size_t nq = waypoints.shape(1);
-  const Table rows = table(waypoints, nq, "waypoints");
-  const RelaxSettings settings{max_sweeps,
-                               positive(min_gain, "min_gain"),
-                               positive(first_whole_fraction, "first_whole_fraction"),
-                               positive(max_whole_fraction, "max_whole_fraction"),
-                               positive(growth, "growth"),
-                               positive(shrinkage, "shrinkage")};
-  const auto verdicts = [&](const Edges& edges) {
-    const std::size_t count = edges.from.size() / nq;
-    const nb::object found = are_free(array_of(edges.from, count, nq), array_of(edges.to, count, nq));
-    const auto flags = nb::cast<nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>>(found);
-    require(flags.shape(0) == count, "are_free does not answer for every edge");
-    return std::vector<char>(flags.data(), flags.data() + count);
-  };
-  const std::vector<double> path = relax_path(finite(rows.all(), "waypoints"), static_cast<int>(nq), settings, verdicts,
-                                              [&] { return nb::cast<bool>(is_over()); });
-  return array_of(path, rows.rows, nq);
-}
-
 auto path(const CheckedConnect& self) {
   const std::vector<double> rows = self.trees.path();
   const auto nq = static_cast<std::size_t>(self.checker->num_positions());
@@ -112,9 +86,6 @@ void bind_search(nb::module_& m) {
       .def_prop_ro("num_vertices", [](const CheckedConnect& c) { return c.trees.num_vertices(); })
       .def_prop_ro("num_edges", [](const CheckedConnect& c) { return c.trees.num_edges(); })
       .def_prop_ro("goal_distance", [](const CheckedConnect& c) { return c.trees.goal_distance(); });
-  m.def("relax_path", &relax, nb::arg("waypoints"), nb::arg("max_sweeps"), nb::arg("min_gain"),
-        nb::arg("first_whole_fraction"), nb::arg("max_whole_fraction"), nb::arg("growth"), nb::arg("shrinkage"),
-        nb::arg("are_free"), nb::arg("is_over"));
 }
 
 }  // namespace wayproof

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include "checker/sample_order.hpp"
@@ -16,19 +15,6 @@ namespace {
 constexpr double turn = 6.283185307179586;
 // Largest position [rad or m] of which single precision gives a verdict; for NaN it gives none.
 constexpr double far_off = 1e6;
-// More samples would take years, and their number is to fit into an integer.
-constexpr double most_samples = 1e15;
-
-// The same number as planning/domain/curves/motion_samples.py has, operation by operation.
-std::int64_t num_samples(const double* displacement, int nq, double resolution) {
-  double square = 0;
-  for (int i = 0; i < nq; ++i) square += displacement[i] * displacement[i];
-  if (!(square < far_off * far_off)) throw std::invalid_argument("a motion is finite and not too long");
-  const double count = std::max(std::ceil(std::sqrt(square) / resolution - 1e-9), 1.0);
-  if (!(count < most_samples)) throw std::invalid_argument("the resolution is too fine for so long a motion");
-  return static_cast<std::int64_t>(count);
-}
-
 }  // namespace
 
 // Mutable buffers of one thread's check.
@@ -41,9 +27,10 @@ struct Checker::Workspace {
   std::vector<double> full;
   std::vector<Transform> X_WL;
   std::vector<Vec3> directions;  // last separating direction of each pair, in the frame of its first geometry
-  std::vector<double> samples;
+  std::vector<double> samples, displacement;
   std::vector<std::int64_t> numbers;
   std::vector<Verdict> found;
+  int likely = -1;  // pair that blocked the last motion that was blocked, in the lanes' numbers
 
   explicit Workspace(const Checker& c)
       : model(c.batch_.view()),
@@ -56,6 +43,7 @@ struct Checker::Workspace {
         X_WL(c.X_WL_),
         directions(c.scene_->pairs.size()),
         samples(static_cast<std::size_t>(width) * c.num_positions()),
+        displacement(c.num_positions()),
         numbers(width),
         found(width) {}
 
@@ -183,9 +171,10 @@ bool Checker::check_block(const double* qs, int count, Verdict* verdicts, Worksp
     active |= 1u << lane;
   }
   w.repeat_lane(count - 1);
-  BatchVerdict v{0, 0, w.pairs.data(), w.lanes.data()};
+  BatchVerdict v{0, 0, w.pairs.data(), w.lanes.data(), any_hit_decides, w.likely};
   kernel_.check(w.model, w.coordinates.data(), active, static_cast<float>(batch_.slack_per_metre * reach),
                 w.scratch.data(), v);
+  if (any_hit_decides) w.likely = v.likely;
   if (any_hit_decides && v.hit) return true;
   unsigned unsure = 0;
   for (int k = 0; k < v.num_unsure; ++k) unsure |= v.lanes[k];
@@ -285,11 +274,11 @@ Verdict Checker::check_edge(std::span<const double> from, std::span<const double
                             std::int64_t& n) const {
   const Lease lease(*this);
   const int nq = num_positions();
-  std::vector<double> displacement(nq);
+  double* displacement = lease.workspace->displacement.data();
   for (int i = 0; i < nq; ++i) displacement[i] = to[i] - from[i];
-  n = num_samples(displacement.data(), nq, resolution);
+  n = num_samples(displacement, nq, resolution);
   std::vector<Unsure> unsure;
-  return check_motion({from.data(), displacement.data(), n, true}, 0, unsure, *lease.workspace);
+  return check_motion({from.data(), displacement, n, true}, 0, unsure, *lease.workspace);
 }
 
 }  // namespace wayproof

@@ -83,12 +83,15 @@ struct BatchModel {
   int num_coordinates;
 };
 
-// Undecided pairs, with their lanes. Pairs are numbered obstacle pairs first.
+// Undecided pairs, with their lanes. Pairs are numbered obstacle pairs first. Where any hit decides, the check ends
+// with the first one, and begins with the pair of `likely`, if it is not negative; a hit leaves its pair there.
 struct BatchVerdict {
   unsigned hit;
   int num_unsure;
   int* pairs;
   unsigned* lanes;
+  bool any_hit_decides;
+  int likely;
 };
 
 // Checks `active` lanes. Coordinates: [num_coordinates][lanes]; angles within [-pi, pi], quaternions of unit length.

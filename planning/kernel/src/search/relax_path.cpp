@@ -7,45 +7,23 @@
 namespace wayproof {
 namespace {
 
-// Length of b - a. In two sums, of the even and of the odd coordinates.
-double length(const double* a, const double* b, int nq) {
-  double even = 0, odd = 0;
-  for (int v = 0; v < nq; v += 2) even += (b[v] - a[v]) * (b[v] - a[v]);
-  for (int v = 1; v < nq; v += 2) odd += (b[v] - a[v]) * (b[v] - a[v]);
-  return std::sqrt(even + odd);
-}
-
-// In eight sums from eight numbers on.
-double sum(std::span<const double> x) {
-  double total = 0;
-  std::size_t k = 0;
-  if (x.size() >= 8) {
-    double r[8] = {x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7]};
-    for (k = 8; k + 8 <= x.size(); k += 8)
-      for (int l = 0; l < 8; ++l) r[l] += x[k + l];
-    total = ((r[0] + r[1]) + (r[2] + r[3])) + ((r[4] + r[5]) + (r[6] + r[7]));
-  }
-  for (; k < x.size(); ++k) total += x[k];
-  return total;
-}
-
 // One sweep over the inner waypoints, m of them; columns are the whole waypoint, then each coordinate.
 class Sweep {
  public:
-  Sweep(std::vector<double>& path, int nq, std::vector<double>& fractions, const EdgeVerdicts& are_free)
-      : nq_(nq),
-        columns_(nq > 1 ? nq + 1 : 1),
-        inner_(static_cast<int>(path.size()) / nq - 2),
+  Sweep(std::vector<double>& path, std::vector<double>& fractions, EdgeVerdicts& edges)
+      : nq_(edges.nq),
+        columns_(nq_ > 1 ? nq_ + 1 : 1),
+        inner_(static_cast<int>(path.size()) / nq_ - 2),
         path_(path),
         fractions_(fractions),
-        are_free_(are_free) {}
+        edges_(edges) {}
 
   int columns() const { return columns_; }
 
   // Whether any move was worth a check.
   bool run(const RelaxSettings& s) {
     propose();
-    const double least = s.min_gain * path_length(path_);
+    const double least = s.min_gain * path_length(path_, nq_);
     std::vector<int> rows, columns;
     std::vector<double> qs;
     for (int i = 0; i < inner_; ++i)
@@ -78,12 +56,6 @@ class Sweep {
   const double* step(int i, int c) const { return &steps_[at(i, c) * nq_]; }
   const double* point(int i) const { return &path_[static_cast<std::size_t>(i) * nq_]; }
 
-  double path_length(const std::vector<double>& path) const {
-    std::vector<double> lengths;
-    for (std::size_t k = 0; k + nq_ < path.size(); k += nq_) lengths.push_back(length(&path[k], &path[k + nq_], nq_));
-    return sum(lengths);
-  }
-
   void propose() {
     const std::size_t cells = static_cast<std::size_t>(inner_) * columns_;
     steps_.assign(cells * nq_, 0.0), qs_.assign(cells * nq_, 0.0), gains_.assign(cells, 0.0);
@@ -103,17 +75,12 @@ class Sweep {
     }
   }
 
-  static void append(Edges& edges, const double* from, const double* to, int nq) {
-    edges.from.insert(edges.from.end(), from, from + nq);
-    edges.to.insert(edges.to.end(), to, to + nq);
-  }
-
   // Whether the edges from each q to the neighbours of an inner waypoint are free.
   std::vector<char> are_moves_free(const std::vector<int>& rows, const std::vector<double>& qs) const {
     Edges edges;
-    for (std::size_t k = 0; k < rows.size(); ++k) append(edges, point(rows[k]), &qs[k * nq_], nq_);
-    for (std::size_t k = 0; k < rows.size(); ++k) append(edges, &qs[k * nq_], point(rows[k] + 2), nq_);
-    std::vector<char> free = are_free_(edges);
+    for (std::size_t k = 0; k < rows.size(); ++k) edges.add(point(rows[k]), &qs[k * nq_], nq_);
+    for (std::size_t k = 0; k < rows.size(); ++k) edges.add(&qs[k * nq_], point(rows[k] + 2), nq_);
+    std::vector<char> free = edges_.are_free(edges);
     for (std::size_t k = 0; k < rows.size(); ++k) free[k] = free[k] && free[rows.size() + k];
     free.resize(rows.size());
     return free;
@@ -142,12 +109,12 @@ class Sweep {
       std::copy_n(&together[k * nq_], nq_, &next[static_cast<std::size_t>(rows[k] + 1) * nq_]);
       changed[rows[k]] = changed[rows[k] + 1] = 1;
     }
-    if (path_length(next) < path_length(path_)) {
+    if (path_length(next, nq_) < path_length(path_, nq_)) {
       Edges edges;
       for (int i = 0; i <= inner_; ++i)
         if (changed[i])
-          append(edges, &next[static_cast<std::size_t>(i) * nq_], &next[static_cast<std::size_t>(i + 1) * nq_], nq_);
-      const std::vector<char> free = are_free_(edges);
+          edges.add(&next[static_cast<std::size_t>(i) * nq_], &next[static_cast<std::size_t>(i + 1) * nq_], nq_);
+      const std::vector<char> free = edges_.are_free(edges);
       if (std::all_of(free.begin(), free.end(), [](char f) { return f != 0; })) {
         path_ = std::move(next);
         return;
@@ -180,18 +147,18 @@ class Sweep {
   int nq_, columns_, inner_;
   std::vector<double>& path_;
   std::vector<double>& fractions_;  // of the way to the chord, [inner][columns]
-  const EdgeVerdicts& are_free_;
+  EdgeVerdicts& edges_;
   std::vector<double> steps_, qs_, gains_;
 };
 
 }  // namespace
 
-std::vector<double> relax_path(std::span<const double> waypoints, int nq, const RelaxSettings& settings,
-                               const EdgeVerdicts& are_free, const std::function<bool()>& is_over) {
+std::vector<double> relax_path(std::span<const double> waypoints, const RelaxSettings& settings, EdgeVerdicts& edges,
+                               const std::function<bool()>& is_over) {
   std::vector<double> path(waypoints.begin(), waypoints.end()), fractions;
-  if (static_cast<int>(path.size()) < 3 * nq) return path;
-  Sweep sweep(path, nq, fractions, are_free);
-  const std::size_t inner = path.size() / static_cast<std::size_t>(nq) - 2;
+  if (static_cast<int>(path.size()) < 3 * edges.nq) return path;
+  Sweep sweep(path, fractions, edges);
+  const std::size_t inner = path.size() / static_cast<std::size_t>(edges.nq) - 2;
   for (std::size_t i = 0; i < inner; ++i)
     for (int c = 0; c < sweep.columns(); ++c) fractions.push_back(c == 0 ? settings.first_whole_fraction : 1.0);
   for (int k = 0; k < settings.max_sweeps; ++k)
