@@ -1,13 +1,12 @@
-// What timing along a path by toppra computes beside its linear programs, on numpy arrays.
+// Timing along a path, on numpy arrays.
 #include <nanobind/stl/pair.h>
-
-#include <cmath>
 
 #include "bind/arguments.hpp"
 #include "bind/bind.hpp"
-#include "math/bernstein.hpp"
-#include "path/path_cells.hpp"
 #include "path/path_motion.hpp"
+#include "path/speed_passes.hpp"
+#include "path/timed_path.hpp"
+#include "path/utilization.hpp"
 
 namespace wayproof {
 namespace {
@@ -43,19 +42,38 @@ std::vector<double> limits_of(const Doubles& array, std::size_t joints, const ch
   return limits;
 }
 
-auto cells(const Path& path, const Doubles& velocity, const Doubles& acceleration) {
+// Of each smooth piece: times, pieces of the path, coefficients, both utilizations with their joints, and the duration
+// before the audit. None if a piece has no profile.
+nb::object timed(const Path& path, const Doubles& velocity, const Doubles& acceleration) {
   const PolynomialPath along = path_of(path, 3);
   const auto v = limits_of(velocity, along.joints, "velocity"),
              a = limits_of(acceleration, along.joints, "acceleration");
-  const PathCells found = cut_into_cells(along, v, a);
-  const std::size_t count = found.path.pieces(), rows = found.a.size() / count;
-  bool* flags = new bool[count];
-  std::copy(found.is_line.begin(), found.is_line.end(), flags);
-  const nb::capsule owner(flags, [](void* p) noexcept { delete[] static_cast<bool*>(p); });
-  return nb::make_tuple(array_of(found.path.breaks, count + 1), nb::ndarray<nb::numpy, bool>(flags, {count}, owner),
-                        array_of(found.speed, count), array_of(found.acceleration, count),
-                        array_of(found.a, count, rows), array_of(found.b, count, rows), array_of(found.caps, count + 1),
-                        found.time_unit);
+  const auto found = time_path(along, v, a);
+  if (!found) return nb::none();
+  nb::list pieces;
+  for (const TimedPath& piece : *found) {
+    const PathMotion& motion = piece.motion;
+    const std::size_t n = motion.pieces.size();
+    const auto use = [&](std::size_t order) {
+      return nb::make_tuple(piece.uses[order].fraction, piece.uses[order].joint);
+    };
+    pieces.append(nb::make_tuple(array_of(motion.times, n + 1), array_of(motion.pieces, n),
+                                 array_of(motion.coefficients, n, motion.terms, along.joints), use(0), use(1),
+                                 piece.raw_duration));
+  }
+  return pieces;
+}
+
+// Empty if there are none.
+auto speeds(const Doubles& edges, const Doubles& a, const Doubles& b, const Doubles& caps) {
+  const auto along = finite(row(edges, "edges"), "edges");
+  require(along.size() >= 2, "edges have fewer than two numbers");
+  require(a.ndim() == 2 && b.ndim() == 2, "a and b do not have the shape (cells, rows)");
+  const std::size_t count = along.size() - 1, rows = a.shape(1);
+  const std::vector<double> found =
+      squared_speeds(along, finite(table(a, count, rows, "a").all(), "a"), finite(table(b, count, rows, "b").all(), "b"),
+                     ordered(row(caps, count + 1, "caps"), "caps"));
+  return array_of(found, found.size());
 }
 
 auto profile(const Doubles& edges, const Doubles& x, const Flags& is_line, const Doubles& speed,
@@ -85,62 +103,34 @@ auto composed(const Path& path, const Doubles& s, const Doubles& v, const Double
                         array_of(found.coefficients, n, found.terms, along.joints));
 }
 
-// The largest magnitude of polynomials over the limit of their column, and the column; an upper bound, within a share
-// `gap` of what is attained. Coefficients in Bernstein form: [pieces][terms][columns].
-auto utilization(const Doubles& polynomials, const Doubles& limits, double gap) {
-  require(polynomials.ndim() == 3 && polynomials.size() > 0,
-          "polynomials do not have the shape (pieces, terms, columns)");
-  const std::size_t pieces = polynomials.shape(0), terms = polynomials.shape(1), columns = polynomials.shape(2);
+// The largest magnitude of a derivative of polynomials over the limit of their column, and the column.
+auto used(const Doubles& coefficients, const Doubles& widths, const Doubles& limits, std::int64_t order) {
+  require(coefficients.ndim() == 3 && coefficients.size() > 0,
+          "coefficients do not have the shape (pieces, terms, columns)");
+  require(order >= 0 && order <= 3, "order is not from 0 to 3");
+  const std::size_t pieces = coefficients.shape(0), terms = coefficients.shape(1), columns = coefficients.shape(2);
   const std::vector<double> bounds = limits_of(limits, columns, "limits");
-  const auto all = finite({polynomials.data(), polynomials.size()}, "polynomials");
-  const auto at = [&](std::size_t i, std::size_t k, std::size_t c) { return all[(i * terms + k) * columns + c]; };
-  const auto size = [&](std::size_t i, std::size_t k, std::size_t c) { return std::abs(at(i, k, c)) / bounds[c]; };
-  double attained = -1;
-  std::size_t column = 0;
-  for (std::size_t i = 0; i < pieces; ++i)
-    for (std::size_t c = 0; c < columns; ++c) {
-      const double ends = std::max(size(i, 0, c), size(i, terms - 1, c));
-      if (ends > attained) attained = ends, column = c;
-    }
-  const double open = attained * (1 + gap);
-  double closed = 0;
-  std::vector<double> rows;
-  std::vector<std::size_t> owners;
-  for (std::size_t i = 0; i < pieces; ++i)
-    for (std::size_t c = 0; c < columns; ++c) {
-      double upper = 0;
-      for (std::size_t k = 0; k < terms; ++k) upper = std::max(upper, size(i, k, c));
-      if (!(upper > open)) {
-        closed = std::max(closed, upper);
-        continue;
-      }
-      for (std::size_t k = 0; k < terms; ++k) rows.push_back(at(i, k, c) / bounds[c]);
-      owners.push_back(c);
-    }
-  double fraction = attained;
-  if (!owners.empty()) {
-    const std::size_t half = rows.size();
-    for (std::size_t k = 0; k < half; ++k) rows.push_back(-rows[k]);
-    const Peak top = peak(rows, terms, attained * gap);
-    if (top.bound > fraction) fraction = top.bound, column = owners[top.row % owners.size()];
-  }
-  return nb::make_tuple(std::max(fraction, closed), column);
+  const auto lengths = finite(row(widths, pieces, "widths"), "widths");
+  const auto all = finite({coefficients.data(), coefficients.size()}, "coefficients");
+  const Utilization found = utilization({lengths, all, terms, columns}, bounds, static_cast<std::size_t>(order));
+  return nb::make_tuple(found.fraction, found.joint);
 }
 
 }  // namespace
 
 void bind_retime(nb::module_& m) {
-  m.def(
-      "path_cells", &cells, nb::arg("path"), nb::arg("velocity"), nb::arg("acceleration"),
-      "Cells of a path (breaks, coefficients) of lines and parabolas: edges, is_line, speed, acceleration, a, b, caps, "
-      "time_unit.");
+  m.def("time_path", &timed, nb::arg("path"), nb::arg("velocity"), nb::arg("acceleration"),
+        "Motions along the smooth pieces of a path (breaks, coefficients) of lines and parabolas: times, pieces, "
+        "coefficients, (utilization, joint) of both limits, duration before the audit; None if toppra finds none.");
+  m.def("squared_speeds", &speeds, nb::arg("edges"), nb::arg("a"), nb::arg("b"), nb::arg("caps"),
+        "The greatest (ds/dt)^2 at the edges of cells, from rest to rest; empty if there are none.");
   m.def("profile_between", &profile, nb::arg("edges"), nb::arg("x"), nb::arg("is_line"), nb::arg("speed"),
         nb::arg("acceleration"), nb::arg("braking"),
         "The fastest profile (s, v, a, j, h) with squared speeds at edges.");
   m.def("compose", &composed, nb::arg("path"), nb::arg("s"), nb::arg("v"), nb::arg("a"), nb::arg("j"), nb::arg("h"),
         "The motion along a path: times, pieces of the path, coefficients.");
-  m.def("utilization", &utilization, nb::arg("polynomials"), nb::arg("limits"), nb::arg("gap"),
-        "The largest magnitude over its column's limit, of Bernstein coefficients, and the column.");
+  m.def("utilization", &used, nb::arg("coefficients"), nb::arg("widths"), nb::arg("limits"), nb::arg("order"),
+        "The largest magnitude of a derivative of polynomials over its column's limit, and the column.");
 }
 
 }  // namespace wayproof
