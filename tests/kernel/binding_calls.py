@@ -276,6 +276,10 @@ def calls() -> dict[str, Call]:
         "Chain": call(module.Chain, **group(floats=True), link=(2, INDEX), X_LT=(IDENTITY, EXACT)),
         "Chain.poses": call(chain().poses, qs=(with_ball, ROWS)),
         "Chain.jacobians": call(chain().jacobians, qs=(with_ball, ROWS)),
+        "Chain.velocities": call(
+            chain(floats=False).velocities, qs=(np.zeros((3, 4)), SIZING),
+            vs=(np.zeros((3, 4)), EXACT),
+        ),
         "Chain.velocity_gradients": call(
             chain(floats=False).velocity_gradients, qs=(np.zeros((3, 4)), SIZING),
             vs=(np.zeros((3, 4)), EXACT),

@@ -3,6 +3,7 @@
 
 #include "bind/arguments.hpp"
 #include "bind/bind.hpp"
+#include "path/box_visits.hpp"
 #include "path/path_motion.hpp"
 #include "path/speed_passes.hpp"
 #include "path/timed_path.hpp"
@@ -116,6 +117,18 @@ auto used(const Doubles& coefficients, const Doubles& widths, const Doubles& lim
   return nb::make_tuple(found.fraction, found.joint);
 }
 
+auto visits(const Doubles& breaks, const Doubles& points, const Doubles& half, std::int64_t halvings) {
+  const auto along = finite(row(breaks, "breaks"), "breaks");
+  require(points.ndim() == 3 && points.shape(0) + 1 == along.size() && points.shape(1) >= 1 && points.shape(2) == 3,
+          "points do not have the shape (breaks - 1, terms, 3)");
+  constexpr int most_halvings = 30;
+  require(halvings >= 0 && halvings <= most_halvings, "halvings is not from 0 to 30");
+  const BoxVisits found = box_visits(along, finite({points.data(), points.size()}, "points"), points.shape(1),
+                                     finite(row(half, 3, "half"), "half"), static_cast<int>(halvings));
+  const std::size_t n = found.pieces.size();
+  return nb::make_tuple(array_of(found.pieces, n), array_of(found.low, n), array_of(found.high, n));
+}
+
 }  // namespace
 
 void bind_retime(nb::module_& m) {
@@ -124,6 +137,9 @@ void bind_retime(nb::module_& m) {
         "coefficients, (utilization, joint) of both limits, duration before the audit; None if toppra finds none.");
   m.def("squared_speeds", &speeds, nb::arg("edges"), nb::arg("a"), nb::arg("b"), nb::arg("caps"),
         "The greatest (ds/dt)^2 at the edges of cells, from rest to rest; empty if there are none.");
+  m.def("box_visits", &visits, nb::arg("breaks"), nb::arg("points"), nb::arg("half"), nb::arg("halvings"),
+        "Parts of a path that contain all visits of a point (Bernstein coefficients in the box's axes) to a box: "
+        "pieces, low, high.");
   m.def("profile_between", &profile, nb::arg("edges"), nb::arg("x"), nb::arg("is_line"), nb::arg("speed"),
         nb::arg("acceleration"), nb::arg("braking"),
         "The fastest profile (s, v, a, j, h) with squared speeds at edges.");

@@ -168,6 +168,14 @@ void Chain::jacobian(std::span<const double> q, std::span<double> J) const {
   visit_rates(q, [&](const ChainRate& rate, Vec3 w, Vec3 v) { put(J, num_velocities, rate, w, v); });
 }
 
+Vec3 Chain::velocity(std::span<const double> q, std::span<const double> v) const {
+  Vec3 total;
+  visit_rates(q, [&](const ChainRate& rate, Vec3, Vec3 by_rate) {
+    if (rate.column >= 0) total = total + rate.factor * v[rate.column] * by_rate;
+  });
+  return total;
+}
+
 // A joint k nearer to the base than m, or m itself, turns the column v_m: its derivative by k is w_k x v_m; so that by
 // m of v_k is w_k x v_m as well.
 void Chain::velocity_gradient(std::span<const double> q, std::span<const double> v, std::span<double> gradient) const {
