@@ -34,6 +34,10 @@ def timing_calls(module: Any) -> dict[str, Call]:
             a=(np.array([[1.0, -1.0], [0.5, -0.5]]), EXACT), b=(np.zeros((2, 2)), EXACT),
             caps=(np.ones(3), EXACT),
         ),
+        "blend": call(
+            module.blend, waypoints=(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), ANY),
+            deviation=(0.1, ANY), has_smooth_curvature=(True, ANY),
+        ),
         "box_visits": call(
             module.box_visits, breaks=(np.array([0.0, 1.0]), EXACT),
             points=(np.ones((1, 2, 3)), ANY), half=(np.ones(3), EXACT), halvings=(2, ANY),

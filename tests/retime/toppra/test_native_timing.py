@@ -86,6 +86,24 @@ def test_paths_are_timed_as_step_by_step(
     assert timed_by_kernel(spline, limits) == wanted
 
 
+@given(
+    count=st.sampled_from(sorted(GROUPS)),
+    seed=st.integers(0, 10_000),
+    num_waypoints=st.sampled_from([3, 6, 40]),
+    deviation=st.sampled_from([0.008, 0.1]),
+    smoothness=st.sampled_from([1, 2]),
+)
+def test_corners_are_rounded_as_in_numpy(
+    count: int, seed: int, num_waypoints: int, deviation: float, smoothness: int
+) -> None:
+    group = GROUPS[count]
+    path = JointPath(group, random_waypoints(group, seed, num_waypoints))
+    found = blend_corners(path, deviation, smoothness)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("planning.retime.blend.native", lambda: None)
+        assert blend_corners(path, deviation, smoothness) == found
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_paths_of_parabolas_alone_are_cut_as_finely(seed: int) -> None:
     limits = scaled_limits(SEVEN, seed)

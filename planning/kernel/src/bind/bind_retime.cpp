@@ -3,6 +3,7 @@
 
 #include "bind/arguments.hpp"
 #include "bind/bind.hpp"
+#include "path/blended_path.hpp"
 #include "path/box_visits.hpp"
 #include "path/path_motion.hpp"
 #include "path/speed_passes.hpp"
@@ -117,6 +118,17 @@ auto used(const Doubles& coefficients, const Doubles& widths, const Doubles& lim
   return nb::make_tuple(found.fraction, found.joint);
 }
 
+auto blended(const Doubles& waypoints, double deviation, bool has_smooth_curvature) {
+  require(waypoints.ndim() == 2 && waypoints.shape(0) >= 3 && waypoints.shape(1) >= 1,
+          "waypoints do not have the shape (3 or more, joints)");
+  const std::size_t joints = waypoints.shape(1);
+  const BlendedPath found = blend(finite({waypoints.data(), waypoints.size()}, "waypoints"), joints,
+                                  positive(deviation, "deviation"), has_smooth_curvature);
+  const std::size_t n = found.breaks.size() - 1;
+  return nb::make_tuple(array_of(found.breaks, n + 1), array_of(found.bases, n, joints),
+                        array_of(found.coefficients, n, found.terms, joints));
+}
+
 auto visits(const Doubles& breaks, const Doubles& points, const Doubles& half, std::int64_t halvings) {
   const auto along = finite(row(breaks, "breaks"), "breaks");
   require(points.ndim() == 3 && points.shape(0) + 1 == along.size() && points.shape(1) >= 1 && points.shape(2) == 3,
@@ -137,6 +149,8 @@ void bind_retime(nb::module_& m) {
         "coefficients, (utilization, joint) of both limits, duration before the audit; None if toppra finds none.");
   m.def("squared_speeds", &speeds, nb::arg("edges"), nb::arg("a"), nb::arg("b"), nb::arg("caps"),
         "The greatest (ds/dt)^2 at the edges of cells, from rest to rest; empty if there are none.");
+  m.def("blend", &blended, nb::arg("waypoints"), nb::arg("deviation"), nb::arg("has_smooth_curvature"),
+        "The path through waypoints with rounded corners: breaks, bases, coefficients.");
   m.def("box_visits", &visits, nb::arg("breaks"), nb::arg("points"), nb::arg("half"), nb::arg("halvings"),
         "Parts of a path that contain all visits of a point (Bernstein coefficients in the box's axes) to a box: "
         "pieces, low, high.");
