@@ -5,6 +5,8 @@
 #include "bind/bind.hpp"
 #include "path/blended_path.hpp"
 #include "path/box_visits.hpp"
+#include "path/corners.hpp"
+#include "path/duration_bound.hpp"
 #include "path/path_motion.hpp"
 #include "path/speed_passes.hpp"
 #include "path/timed_path.hpp"
@@ -14,6 +16,7 @@ namespace wayproof {
 namespace {
 
 using Path = std::pair<Doubles, Doubles>;
+constexpr std::size_t most_terms = 64;
 using Flags = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 std::vector<double> copy_of(std::span<const double> numbers) { return {numbers.begin(), numbers.end()}; }
@@ -95,7 +98,6 @@ auto profile(const Doubles& edges, const Doubles& x, const Flags& is_line, const
 
 auto composed(const Path& path, const Doubles& s, const Doubles& v, const Doubles& a, const Doubles& j,
               const Doubles& h) {
-  constexpr std::size_t most_terms = 64;
   const PolynomialPath along = path_of(path, most_terms);
   const std::size_t n = row(h, "h").size();
   const SpeedProfile given{copy_of(s, n + 1, "s"), copy_of(v, n, "v"), copy_of(a, n, "a"), copy_of(j, n, "j"),
@@ -116,6 +118,25 @@ auto used(const Doubles& coefficients, const Doubles& widths, const Doubles& lim
   const auto all = finite({coefficients.data(), coefficients.size()}, "coefficients");
   const Utilization found = utilization({lengths, all, terms, columns}, bounds, static_cast<std::size_t>(order));
   return nb::make_tuple(found.fraction, found.joint);
+}
+
+// Smallest number of derivatives that continue: 1 or 2.
+std::size_t smoothness_of(std::int64_t smoothness) {
+  require(smoothness == 1 || smoothness == 2, "smoothness is neither 1 nor 2");
+  return static_cast<std::size_t>(smoothness);
+}
+
+auto corners_of(const Path& path, std::int64_t smoothness) {
+  const std::vector<std::size_t> found = corners(path_of(path, most_terms), smoothness_of(smoothness));
+  return array_of(std::vector<std::int64_t>(found.begin(), found.end()), found.size());
+}
+
+double least_duration(const Path& path, const Doubles& bases, const Doubles& limits, std::int64_t smoothness) {
+  const PolynomialPath along = path_of(path, most_terms);
+  const auto rates = ordered(table(limits, 3, along.joints, "limits").all(), "limits");
+  for (double rate : rates) require(rate > 0, "limits are not positive");
+  return duration_bound(along, finite(table(bases, along.pieces(), along.joints, "bases").all(), "bases"),
+                        smoothness_of(smoothness), rates);
 }
 
 auto blended(const Doubles& waypoints, double deviation, bool has_smooth_curvature) {
@@ -149,6 +170,10 @@ void bind_retime(nb::module_& m) {
         "coefficients, (utilization, joint) of both limits, duration before the audit; None if toppra finds none.");
   m.def("squared_speeds", &speeds, nb::arg("edges"), nb::arg("a"), nb::arg("b"), nb::arg("caps"),
         "The greatest (ds/dt)^2 at the edges of cells, from rest to rest; empty if there are none.");
+  m.def("corners", &corners_of, nb::arg("path"), nb::arg("smoothness"),
+        "Pieces of a path (breaks, coefficients) at whose beginning one of the first derivatives jumps.");
+  m.def("duration_bound", &least_duration, nb::arg("path"), nb::arg("bases"), nb::arg("limits"), nb::arg("smoothness"),
+        "A lower bound of a path's duration under limits of velocity, acceleration and jerk.");
   m.def("blend", &blended, nb::arg("waypoints"), nb::arg("deviation"), nb::arg("has_smooth_curvature"),
         "The path through waypoints with rounded corners: breaks, bases, coefficients.");
   m.def("box_visits", &visits, nb::arg("breaks"), nb::arg("points"), nb::arg("half"), nb::arg("halvings"),

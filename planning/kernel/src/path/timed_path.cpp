@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "path/corners.hpp"
 #include "path/path_cells.hpp"
 #include "path/speed_passes.hpp"
 
@@ -12,23 +13,6 @@ namespace {
 
 // Relative reserve to every limit, as planning/retime/limits/timed_piece.py has it.
 constexpr double limit_reserve = 1e-9;
-// Smallest relative jump of r' that is a corner, as planning/retime/smooth_pieces.py has it.
-constexpr double least_jump = 1e-8;
-
-// Whether r' jumps at the beginning of a piece.
-bool is_corner(const PolynomialPath& path, std::size_t piece) {
-  const double width = path.breaks[piece] - path.breaks[piece - 1];
-  const double *before = path.piece(piece - 1), *after = path.piece(piece);
-  double jump = 0, size_before = 0, size_after = 0;
-  for (std::size_t v = 0; v < path.joints; ++v) {
-    double end = 0;
-    for (std::size_t k = path.terms; --k > 0;) end = end * width + static_cast<double>(k) * before[k * path.joints + v];
-    const double begin = after[path.joints + v];
-    jump += (begin - end) * (begin - end), size_before += end * end, size_after += begin * begin;
-  }
-  const double scale = std::max(1e-300, std::sqrt(std::max(size_before, size_after)));
-  return std::sqrt(jump) > least_jump * scale;
-}
 
 PolynomialPath part_of(const PolynomialPath& path, std::size_t first, std::size_t last) {
   const auto begin = path.breaks.begin() + static_cast<std::ptrdiff_t>(first);
@@ -74,8 +58,9 @@ void scale_time(PathMotion& motion, double scale, std::size_t joints) {
 std::optional<std::vector<TimedPath>> time_path(const PolynomialPath& path, std::span<const double> velocity,
                                                 std::span<const double> acceleration) {
   std::vector<TimedPath> found;
-  for (std::size_t first = 0, last = 1; first < path.pieces(); first = last++) {
-    while (last < path.pieces() && !is_corner(path, last)) ++last;
+  std::vector<std::size_t> edges = corners(path, 1);
+  edges.push_back(path.pieces());
+  for (std::size_t first = 0; const std::size_t last : edges) {
     const PolynomialPath piece = part_of(path, first, last);
     const auto profile = profile_of(piece, velocity, acceleration);
     if (!profile) return std::nullopt;
@@ -92,6 +77,7 @@ std::optional<std::vector<TimedPath>> time_path(const PolynomialPath& path, std:
     scale_time(motion, scale, path.joints);
     for (auto& i : motion.pieces) i += static_cast<std::int64_t>(first);
     found.push_back(std::move(timed));
+    first = last;
   }
   return found;
 }
