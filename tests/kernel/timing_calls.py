@@ -34,12 +34,17 @@ def timing_calls(module: Any) -> dict[str, Call]:
             a=(np.array([[1.0, -1.0], [0.5, -0.5]]), EXACT), b=(np.zeros((2, 2)), EXACT),
             caps=(np.ones(3), EXACT),
         ),
+        "speed_cells": call(
+            partial(with_path, module.speed_cells), breaks=(np.array([0.0, 0.5, 1.0]), SIZING),
+            coefficients=(np.ones((2, 3, 2)), ANY), limits=(np.ones((3, 2)), ANY), count=(16, ANY),
+            least=(2, ANY),
+        ),
         "corners": call(
-            partial(with_path, module.corners), breaks=(np.array([0.0, 0.5, 1.0]), EXACT),
+            partial(with_path, module.corners), breaks=(np.array([0.0, 0.5, 1.0]), SIZING),
             coefficients=(np.ones((2, 3, 2)), ANY), smoothness=(2, ANY),
         ),
         "duration_bound": call(
-            partial(with_path, module.duration_bound), breaks=(np.array([0.0, 0.5, 1.0]), EXACT),
+            partial(with_path, module.duration_bound), breaks=(np.array([0.0, 0.5, 1.0]), SIZING),
             coefficients=(np.ones((2, 3, 2)), ANY), bases=(np.zeros((2, 2)), EXACT),
             limits=(np.ones((3, 2)), ANY), smoothness=(1, ANY),
         ),

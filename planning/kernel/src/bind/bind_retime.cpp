@@ -8,9 +8,10 @@
 #include "path/corners.hpp"
 #include "path/duration_bound.hpp"
 #include "path/path_motion.hpp"
-#include "path/speed_passes.hpp"
-#include "path/timed_path.hpp"
-#include "path/utilization.hpp"
+#include "speeds/speed_cells.hpp"
+#include "speeds/speed_passes.hpp"
+#include "speeds/timed_path.hpp"
+#include "speeds/utilization.hpp"
 
 namespace wayproof {
 namespace {
@@ -139,6 +140,19 @@ double least_duration(const Path& path, const Doubles& bases, const Doubles& lim
                         smoothness_of(smoothness), rates);
 }
 
+auto peaks_on_cells(const Path& path, const Doubles& limits, std::int64_t count, std::int64_t least) {
+  const PolynomialPath along = path_of(path, most_terms);
+  const auto rates = ordered(table(limits, 3, along.joints, "limits").all(), "limits");
+  for (double rate : rates) require(rate > 0, "limits are not positive");
+  constexpr std::int64_t most_cells = 100'000;
+  require(count > 0 && count <= most_cells && least > 0 && least <= most_cells, "count and least are at least 1");
+  const SpeedCells found =
+      speed_cells(along, rates, static_cast<std::size_t>(count), static_cast<std::size_t>(least));
+  const std::size_t n = found.pieces.size();
+  return nb::make_tuple(array_of(found.edges, n + 1), array_of(found.pieces, n),
+                        array_of(found.peaks, 6, n, along.joints));
+}
+
 auto blended(const Doubles& waypoints, double deviation, bool has_smooth_curvature) {
   require(waypoints.ndim() == 2 && waypoints.shape(0) >= 3 && waypoints.shape(1) >= 1,
           "waypoints do not have the shape (3 or more, joints)");
@@ -174,6 +188,8 @@ void bind_retime(nb::module_& m) {
         "Pieces of a path (breaks, coefficients) at whose beginning one of the first derivatives jumps.");
   m.def("duration_bound", &least_duration, nb::arg("path"), nb::arg("bases"), nb::arg("limits"), nb::arg("smoothness"),
         "A lower bound of a path's duration under limits of velocity, acceleration and jerk.");
+  m.def("speed_cells", &peaks_on_cells, nb::arg("path"), nb::arg("limits"), nb::arg("count"), nb::arg("least"),
+        "Cells of a path: edges, pieces, and bounds on derivatives over limits, [6][cells][joints].");
   m.def("blend", &blended, nb::arg("waypoints"), nb::arg("deviation"), nb::arg("has_smooth_curvature"),
         "The path through waypoints with rounded corners: breaks, bases, coefficients.");
   m.def("box_visits", &visits, nb::arg("breaks"), nb::arg("points"), nb::arg("half"), nb::arg("halvings"),

@@ -1,4 +1,4 @@
-#include "path/utilization.hpp"
+#include "speeds/utilization.hpp"
 
 #include <algorithm>
 #include <cmath>

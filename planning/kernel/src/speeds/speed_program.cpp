@@ -1,4 +1,4 @@
-#include "path/speed_program.hpp"
+#include "speeds/speed_program.hpp"
 
 #include <array>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "path/path_motion.hpp"
-#include "path/utilization.hpp"
+#include "speeds/utilization.hpp"
 
 namespace wayproof {
 

@@ -1,9 +1,9 @@
-#include "path/speed_passes.hpp"
+#include "speeds/speed_passes.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "path/speed_program.hpp"
+#include "speeds/speed_program.hpp"
 
 namespace wayproof {
 namespace {

@@ -1,12 +1,12 @@
-#include "path/timed_path.hpp"
+#include "speeds/timed_path.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
 #include "path/corners.hpp"
-#include "path/path_cells.hpp"
-#include "path/speed_passes.hpp"
+#include "speeds/path_cells.hpp"
+#include "speeds/speed_passes.hpp"
 
 namespace wayproof {
 namespace {
