@@ -16,8 +16,10 @@ from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.kernel.native import native
 
-# Largest excess of a bound over the true peak: of positions [rad or m], of rates over their limits.
-POSITION_GAP, RATE_GAP = 1e-8, 1e-8
+# Largest excess of the bound on positions over the true peak [rad or m].
+POSITION_GAP = 1e-8
+# Largest excess of the bound on rates over the true peak, relative to their limits.
+RATE_GAP = 1e-8
 
 
 @dataclass(frozen=True)

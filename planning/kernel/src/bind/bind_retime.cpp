@@ -77,8 +77,8 @@ auto speeds(const Doubles& edges, const Doubles& a, const Doubles& b, const Doub
   require(a.ndim() == 2 && b.ndim() == 2, "a and b do not have the shape (cells, rows)");
   const std::size_t count = along.size() - 1, rows = a.shape(1);
   const std::vector<double> found =
-      squared_speeds(along, finite(table(a, count, rows, "a").all(), "a"), finite(table(b, count, rows, "b").all(), "b"),
-                     ordered(row(caps, count + 1, "caps"), "caps"));
+      squared_speeds(along, finite(table(a, count, rows, "a").all(), "a"),
+                     finite(table(b, count, rows, "b").all(), "b"), ordered(row(caps, count + 1, "caps"), "caps"));
   return array_of(found, found.size());
 }
 
@@ -146,8 +146,7 @@ auto peaks_on_cells(const Path& path, const Doubles& limits, std::int64_t count,
   for (double rate : rates) require(rate > 0, "limits are not positive");
   constexpr std::int64_t most_cells = 100'000;
   require(count > 0 && count <= most_cells && least > 0 && least <= most_cells, "count and least are at least 1");
-  const SpeedCells found =
-      speed_cells(along, rates, static_cast<std::size_t>(count), static_cast<std::size_t>(least));
+  const SpeedCells found = speed_cells(along, rates, static_cast<std::size_t>(count), static_cast<std::size_t>(least));
   const std::size_t n = found.pieces.size();
   return nb::make_tuple(array_of(found.edges, n + 1), array_of(found.pieces, n),
                         array_of(found.peaks, 6, n, along.joints));

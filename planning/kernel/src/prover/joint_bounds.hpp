@@ -1,5 +1,6 @@
-// JointBounds: what a proof needs to know of every joint by itself, all along a motion: positions and rates in Bernstein
-// form, their peaks over the limits, and the jumps between pieces. As planning/certify/joints and end_checks.py have it.
+// JointBounds: what a proof needs to know of every joint by itself, all along a motion: positions and rates in
+// Bernstein form, their peaks over the limits, and the jumps between pieces. As planning/certify/joints and
+// end_checks.py have it.
 #pragma once
 
 #include <cstddef>

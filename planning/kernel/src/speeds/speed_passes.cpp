@@ -59,8 +59,7 @@ std::vector<double> squared_speeds(std::span<const double> edges, std::span<cons
     const double after = x[i] + step * *u;
     x[i + 1] = std::min(std::max({after - speed_reduction, 0.9999 * after, 0.0}), most_after);
   }
-  return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); }) ? x
-                                                                                            : std::vector<double>();
+  return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); }) ? x : std::vector<double>();
 }
 
 }  // namespace wayproof

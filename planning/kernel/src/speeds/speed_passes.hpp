@@ -7,8 +7,8 @@
 
 namespace wayproof {
 
-// The greatest x = (ds/dt)^2 at the edges of cells, from rest to rest, with a u + b x <= 1 on every cell, [cells][rows],
-// and caps on x at the edges. Empty if toppra would find none.
+// The greatest x = (ds/dt)^2 at the edges of cells, from rest to rest, with a u + b x <= 1 on every cell,
+// [cells][rows], and caps on x at the edges. Empty if toppra would find none.
 std::vector<double> squared_speeds(std::span<const double> edges, std::span<const double> a, std::span<const double> b,
                                    std::span<const double> caps);
 

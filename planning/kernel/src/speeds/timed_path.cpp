@@ -29,8 +29,8 @@ std::optional<SpeedProfile> profile_of(const PolynomialPath& piece, std::span<co
   const std::size_t count = cells.path.pieces();
   const std::unique_ptr<bool[]> is_line(new bool[count]);
   std::copy(cells.is_line.begin(), cells.is_line.end(), is_line.get());
-  const CellLimits limits{cells.path.breaks, {is_line.get(), count}, cells.speed, cells.acceleration,
-                          cells.acceleration};
+  const CellLimits limits{
+      cells.path.breaks, {is_line.get(), count}, cells.speed, cells.acceleration, cells.acceleration};
   std::vector<double> x(2, 0.0);
   if (count > 1 || !is_line[0]) {
     x = squared_speeds(cells.path.breaks, cells.a, cells.b, cells.caps);
@@ -71,8 +71,7 @@ std::optional<std::vector<TimedPath>> time_path(const PolynomialPath& path, std:
     for (std::size_t i = 0; i < widths.size(); ++i) widths[i] = motion.times[i + 1] - motion.times[i];
     const Polynomials raw{widths, motion.coefficients, motion.terms, path.joints};
     timed.uses = {utilization(raw, velocity, 1), utilization(raw, acceleration, 2)};
-    const double scale =
-        std::max(timed.uses[0].fraction, std::sqrt(timed.uses[1].fraction)) * (1 + limit_reserve);
+    const double scale = std::max(timed.uses[0].fraction, std::sqrt(timed.uses[1].fraction)) * (1 + limit_reserve);
     timed.uses[0].fraction /= scale, timed.uses[1].fraction /= scale * scale;
     scale_time(motion, scale, path.joints);
     for (auto& i : motion.pieces) i += static_cast<std::int64_t>(first);
