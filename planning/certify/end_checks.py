@@ -3,6 +3,7 @@
 import numpy as np
 
 from planning.certify.intervals.jumps import JumpSums, position_jumps
+from planning.certify.joints.joint_bounds import JointJumps
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.domain.report.certificate import Check
@@ -64,12 +65,9 @@ def continuity_checks(request: CertifyRequest) -> list[Check]:
     If jerk is limited, jumps of acceleration are checked as well, from and to rest included: a step
     there would be an infinite jerk. A motion that begins moving may begin with any acceleration.
     """
-    curve, limits = request.trajectory, request.limits_with_followers
-    between = curve.breaks[1:-1]
-    jumps = position_jumps(curve, _at_begins(request, 0), _at_ends(request, 0))
-    steps = _at_begins(request, 1)[1:] - _at_ends(request, 1)[:-1]
-    all_jumps = np.concatenate([jumps * request.follower_ratios, steps], axis=1)
-    position_sums, velocity_sums = JumpSums.of(all_jumps).split(steps.shape[1])
+    limits, times = request.limits_with_followers, request.trajectory.breaks
+    between = times[1:-1]
+    position_sums, velocity_sums = _jump_sums(request)
     distance = float(np.linalg.norm(position_sums.largest))
     time = _time(between, position_sums, int(np.argmax(position_sums.largest)))
     checks = [_jump("continuity", distance, CONFIGURATION_TOLERANCE, "rad or m", time)]
@@ -78,14 +76,32 @@ def continuity_checks(request: CertifyRequest) -> list[Check]:
         _rate_jump(request, name, (velocity_sums, limits.velocity), _RATE_JUMP_TOLERANCE, between)
     )
     if request.jerk:
-        after, before = _at_begins(request, 2), _at_ends(request, 2)
-        first = after[:1] if request.origin is None else np.zeros_like(after[:1])
-        steps = np.concatenate([first, after[1:] - before[:-1], -before[-1:]])
-        sums_and_limits, name = (JumpSums.of(steps), limits.acceleration), "acceleration continuity"
+        sums_and_limits = _acceleration_jump_sums(request), limits.acceleration
+        name = "acceleration continuity"
         checks.append(
-            _rate_jump(request, name, sums_and_limits, _ACCELERATION_JUMP_TOLERANCE, curve.breaks)
+            _rate_jump(request, name, sums_and_limits, _ACCELERATION_JUMP_TOLERANCE, times)
         )
     return checks
+
+
+def _jump_sums(request: CertifyRequest) -> tuple[JumpSums | JointJumps, JumpSums | JointJumps]:
+    """Return the sums of jumps of positions, and of velocities, where pieces meet."""
+    if request.joint_bounds is not None:
+        return request.joint_bounds.jumps[0], request.joint_bounds.jumps[1]
+    begins, ends = _at_begins(request, 0), _at_ends(request, 0)
+    jumps = position_jumps(request.trajectory, begins, ends)
+    steps = _at_begins(request, 1)[1:] - _at_ends(request, 1)[:-1]
+    all_jumps = np.concatenate([jumps * request.follower_ratios, steps], axis=1)
+    return JumpSums.of(all_jumps).split(steps.shape[1])
+
+
+def _acceleration_jump_sums(request: CertifyRequest) -> JumpSums | JointJumps:
+    """Return the sums of jumps of accelerations, those from and to rest included."""
+    if request.joint_bounds is not None and request.origin is None:
+        return request.joint_bounds.jumps[2]
+    after, before = _at_begins(request, 2), _at_ends(request, 2)
+    first = after[:1] if request.origin is None else np.zeros_like(after[:1])
+    return JumpSums.of(np.concatenate([first, after[1:] - before[:-1], -before[-1:]]))
 
 
 def _at_begins(request: CertifyRequest, order: int) -> Array:
@@ -116,7 +132,7 @@ def _states(request: CertifyRequest, order: int, index: int, rows: slice = slice
 def _rate_jump(
     request: CertifyRequest,
     name: str,
-    sums_and_limits: tuple[JumpSums, Array],
+    sums_and_limits: tuple[JumpSums | JointJumps, Array],
     bound: float,
     times: Array,
 ) -> Check:
@@ -139,7 +155,7 @@ def _jump(name: str, value: float, bound: float, unit: str, time: float) -> Chec
     return Check(name, value, bound, unit, 0.0, value <= bound, "", time)
 
 
-def _time(times: Array, sums: JumpSums, column: int) -> float:
+def _time(times: Array, sums: JumpSums | JointJumps, column: int) -> float:
     """Return the instant [s] at which the largest sum of a coordinate's jumps is complete, or 0."""
     return float(times[sums.last_jump(column)]) if len(times) else 0.0
 

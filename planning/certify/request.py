@@ -8,6 +8,7 @@ from jaxtyping import Float64
 
 from planning.certify.intervals import bernstein
 from planning.certify.intervals.rounding import rounding_bounds
+from planning.certify.joints.joint_bounds import JointBounds
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.goals.linear_moves import LineSection
@@ -92,6 +93,17 @@ class CertifyRequest(Value):
         return factors
 
     @cached_property
+    def joint_bounds(self) -> JointBounds | None:
+        """Bounds on the joints by the kernel; None where numpy computes them.
+
+        Only once the numbers of the trajectory are known to be well-formed.
+        """
+        if self.followers:
+            return None
+        rates = ("velocity", "acceleration", "jerk") if self.jerk else ("velocity", "acceleration")
+        return JointBounds.of(self.trajectory, self.group, self.limits, rates)
+
+    @cached_property
     def rounding_errors(self) -> tuple[Array, ...]:
         """Bounds on rounding errors of `bernstein_forms` and of polynomials, each shape (nv,)."""
         curve = self.trajectory
@@ -103,6 +115,8 @@ class CertifyRequest(Value):
     @cached_property
     def max_magnitudes(self) -> tuple[Array, ...]:
         """The largest absolute values in `bernstein_forms`, each of shape (nv,)."""
+        if self.joint_bounds is not None:
+            return tuple(self.joint_bounds.magnitudes)
         return tuple(
             np.abs(form.reshape(len(form), -1)).max(axis=1) for form in self.bernstein_forms
         )
@@ -113,6 +127,8 @@ class CertifyRequest(Value):
 
         Each has the shape (nv, n, k): of n pieces, with k the degree, at least 0, and one.
         """
+        if self.joint_bounds is not None:
+            return self.joint_bounds.forms
         curve, count = self.trajectory, 4 if self.jerk else 3
         with np.errstate(over="ignore", invalid="ignore"):
             return bernstein.derivative_rows(curve.coefficients, curve.widths, count)

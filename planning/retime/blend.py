@@ -18,6 +18,7 @@ from planning.domain.curves.curve import JointSpline
 from planning.domain.curves.path import JointPath
 from planning.domain.robot.manifold import Manifold
 from planning.domain.robot.steering import steering_of
+from planning.kernel.native import native
 from planning.retime.collinear_runs import COLLINEAR_TOLERANCE, without_collinear_waypoints
 
 # 1 / w, and the degree of delta, by smoothness.
@@ -54,6 +55,25 @@ def blend_corners(path: JointPath, deviation: float, smoothness: int = 1) -> Joi
         waypoints = _without_duplicates(waypoints, manifold, merge_distance)
     if deviation <= 0 or len(waypoints) < 3:
         return JointSpline.through(path.group.joints, waypoints)
+    module = native()
+    if module is not None and manifold.is_vector_space:
+        arrays = module.blend(waypoints, deviation, smoothness == 2)
+        return JointSpline(path.group.joints, *arrays)
+    return blended_in_numpy(path, waypoints, deviation, smoothness)
+
+
+def blended_in_numpy(
+    path: JointPath, waypoints: Array, deviation: float, smoothness: int
+) -> JointSpline:
+    """Return the same without the kernel, which has the same sums, on any manifold.
+
+    Args:
+        path: The path.
+        waypoints: Those of its waypoints that are corners or ends, at least three, shape (n, nq).
+        deviation: As for `blend_corners`, positive.
+        smoothness: As for `blend_corners`.
+    """
+    manifold = Manifold.of(path.group.joints)
     steps = manifold.minus(waypoints[1:], waypoints[:-1])
     lengths = np.sqrt((steps**2).sum(axis=1))
     # Directions of lines at their first waypoint, and at their second.
@@ -103,7 +123,7 @@ def _corner_polynomials(blend_length: Array, u1: Array, u2: Array, smoothness: i
     if smoothness == 1:
         return np.stack([-blend_length * u1, u1, turn / (2 * width)], axis=1)
     zero = np.zeros_like(u1)
-    ends = turn / width**2, -turn / (2 * width**3)
+    ends = turn / (width * width), -turn / (2 * (width * width * width))
     return np.stack([-blend_length * u1, u1, zero, *ends], axis=1)
 
 
@@ -112,7 +132,7 @@ def _spline(path: JointPath, widths: Array, bases: Array, polynomials: Array) ->
     total = float(widths.sum())
     breaks = np.concatenate([[0.0], np.cumsum(widths) / total])
     breaks[-1] = 1.0
-    powers = total ** np.arange(polynomials.shape[1])
+    powers = np.vander([total], polynomials.shape[1], increasing=True)[0]
     return JointSpline(path.group.joints, breaks, bases, polynomials * powers[:, None])
 
 

@@ -49,8 +49,7 @@ def max_utilization(curve: Curve, limits: JointLimits, order: int) -> LimitUtili
     module, bounds = native(), getattr(limits, RATES[order - 1])
     if module is None or not _has_scalar_limits(limits, bounds):
         return max_block_utilization(curve, limits, order)
-    polynomials = to_bernstein(derivative(curve.coefficients, order), np.diff(curve.breaks))
-    return LimitUtilization(*module.utilization(polynomials, bounds, _RELATIVE_GAP))
+    return LimitUtilization(*module.utilization(curve.coefficients, curve.widths, bounds, order))
 
 
 def max_block_utilization(curve: Curve, limits: JointLimits, order: int) -> LimitUtilization:

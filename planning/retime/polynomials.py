@@ -19,7 +19,7 @@ def to_bernstein(
 ) -> Float64[np.ndarray, "n k d"]:
     """Return Bernstein coefficients on [0, width] of power-basis polynomials, lowest first."""
     degree = coefficients.shape[1] - 1
-    scaled = coefficients * widths[:, None, None] ** np.arange(degree + 1)[None, :, None]
+    scaled = coefficients * np.vander(widths, degree + 1, increasing=True)[:, :, None]
     return _power_to_bernstein(degree) @ scaled
 
 
@@ -33,7 +33,7 @@ def bisected_form(
     Lines are not bisected, for they have their largest values at their ends.
     """
     degree = coefficients.shape[1] - 1
-    scaled = coefficients * widths[:, None, None] ** np.arange(degree + 1)[None, :, None]
+    scaled = coefficients * np.vander(widths, degree + 1, increasing=True)[:, :, None]
     return _power_to_bisected(degree, num_bisections if degree > 1 else 0) @ scaled
 
 

@@ -18,6 +18,7 @@ from planning.retime.limits.path_limit import PathLimit
 from planning.retime.limits.timed_piece import TimedPiece, audited, block_names, joined
 from planning.retime.profile import SpeedProfile
 from planning.retime.smooth_pieces import smooth_pieces
+from planning.retime.toppra.kernel_retimer import timed_by_kernel
 from planning.retime.toppra.toppra_retimer import toppra_profile
 
 # Duration of a motion without displacement, so that it can be sampled and executed [s].
@@ -37,16 +38,19 @@ class Retimer:
         profile: Function that times one smooth piece, from rest to rest.
         smoothness: Number of continuous derivatives that a piece needs; the motion rests elsewhere.
         rates: Limited rates, as attributes of `JointLimits`, by order of derivative.
+        timed_at_once: Function that times and audits all smooth pieces under joint limits alone;
+            it returns None where it cannot.
     """
 
     profile: Callable[[JointSpline, JointLimits, Sequence[PathLimit], Deadline], SpeedProfile]
     smoothness: int
     rates: tuple[str, ...]
+    timed_at_once: Callable[[JointSpline, JointLimits], list[TimedPiece] | None] | None = None
 
 
 RETIMERS = {
     "ruckig": Retimer(ruckig_profile, 2, RATES),
-    "toppra": Retimer(toppra_profile, 1, RATES[:2]),
+    "toppra": Retimer(toppra_profile, 1, RATES[:2], timed_by_kernel),
 }
 
 
@@ -89,10 +93,16 @@ def retime(
         return rest, RetimeReport(options.method, rest.duration, 1.0)
     scaled_limits = limits.scaled(options.velocity_scale, options.acceleration_scale)
     positive_limits = _positive_limits(spline, scaled_limits, options.method)
-    timed_pieces = [
-        _time_piece(smooth_piece, positive_limits, retimer, path_limits, deadline)
-        for smooth_piece in smooth_pieces(spline, retimer.smoothness)
-    ]
+    timed_pieces = None
+    if retimer.timed_at_once and not path_limits:
+        deadline.check("retime")
+        timed_pieces = retimer.timed_at_once(spline, positive_limits)
+        deadline.check("retime")
+    if timed_pieces is None:
+        timed_pieces = [
+            _time_piece(smooth_piece, positive_limits, retimer, path_limits, deadline)
+            for smooth_piece in smooth_pieces(spline, retimer.smoothness)
+        ]
     return joined(spline, timed_pieces, retimer.rates, options)
 
 

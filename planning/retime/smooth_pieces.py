@@ -7,10 +7,13 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.curves.curve import Curve, JointSpline, derivative
+from planning.kernel.native import native
 from planning.retime.polynomials import norms
 
 # Smallest relative jump of a derivative that counts as one.
 _MIN_JUMP = 1e-8
+# Largest number of terms of a polynomial for the kernel.
+_MAX_TERMS = 64
 
 
 def smooth_pieces(spline: JointSpline, smoothness: int) -> list[JointSpline]:
@@ -18,10 +21,10 @@ def smooth_pieces(spline: JointSpline, smoothness: int) -> list[JointSpline]:
 
     Each keeps the spline's parameter, so its first break is where the one before it ends.
     """
-    jumps = np.flatnonzero(_jumps(spline, smoothness))
-    if not len(jumps):
+    begins = _corners(spline, smoothness)
+    if not begins:
         return [spline]
-    edges = [0, *(1 + jumps).tolist(), spline.num_pieces]
+    edges = [0, *begins, spline.num_pieces]
     return [
         JointSpline(
             spline.joints,
@@ -31,6 +34,17 @@ def smooth_pieces(spline: JointSpline, smoothness: int) -> list[JointSpline]:
         )
         for a, b in pairwise(edges)
     ]
+
+
+def _corners(spline: JointSpline, smoothness: int) -> list[int]:
+    """Return the pieces at whose beginning a derivative up to order `smoothness` jumps."""
+    module = native()
+    terms = spline.coefficients.shape[1]
+    if module is not None and spline.manifold.is_flat and 2 <= terms <= _MAX_TERMS:
+        corners = module.corners((spline.breaks, spline.coefficients), smoothness)
+    else:
+        corners = 1 + np.flatnonzero(jumps_in_numpy(spline, smoothness))
+    return list(corners.tolist())
 
 
 def path_derivatives(
@@ -57,7 +71,7 @@ def path_derivatives(
     )
 
 
-def _jumps(spline: JointSpline, smoothness: int) -> Any:
+def jumps_in_numpy(spline: JointSpline, smoothness: int) -> Any:
     """Return for each inner break whether a derivative up to order `smoothness` jumps there."""
     count = spline.num_pieces - 1
     # Every inner break on the piece before it, then every one on the piece after it.

@@ -281,6 +281,10 @@ def calls() -> dict[str, Call]:
         "Chain": call(module.Chain, **group(floats=True), link=(2, INDEX), X_LT=(IDENTITY, EXACT)),
         "Chain.poses": call(chain().poses, qs=(with_ball, ROWS)),
         "Chain.jacobians": call(chain().jacobians, qs=(with_ball, ROWS)),
+        "Chain.velocities": call(
+            chain(floats=False).velocities, qs=(np.zeros((3, 4)), SIZING),
+            vs=(np.zeros((3, 4)), EXACT),
+        ),
         "Chain.velocity_gradients": call(
             chain(floats=False).velocity_gradients, qs=(np.zeros((3, 4)), SIZING),
             vs=(np.zeros((3, 4)), EXACT),
@@ -325,6 +329,12 @@ def calls() -> dict[str, Call]:
         **timing_calls(module),
         **curve_calls(module),
         "batch_kernels": call(module.batch_kernels),
+        "joint_bounds": call(
+            partial(with_curve, module.joint_bounds), breaks=(np.array([0.0, 1.0]), EXACT),
+            bases=(np.zeros((1, 2)), EXACT), coefficients=(np.ones((1, 3, 2)), ANY),
+            lower=(-np.ones(2), EXACT), upper=(np.ones(2), EXACT), rates=(np.ones((2, 2)), ANY),
+            position_tolerance=(1e-8, SCALAR), rate_gap=(1e-8, SCALAR),
+        ),
         "peak": call(module.peak, coefficients=(np.ones((2, 3)), ANY), tolerance=(1e-6, ANY)),
         "solve_penalty_qp": call(
             partial(with_program, module.solve_penalty_qp), c=(ones, SIZING),

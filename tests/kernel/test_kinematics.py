@@ -119,6 +119,8 @@ def test_gradients_of_velocities_are_their_slopes(seed: int) -> None:
     chain: Any = kernel_chain(robot.model, robot.group, robot.state, frame)
     vs = np.random.default_rng(seed).normal(size=qs.shape)
     step = 1e-6
+    wanted = np.einsum("nij,nj->ni", chain.jacobians(qs)[:, 3:], vs)
+    assert np.allclose(chain.velocities(qs, vs), wanted, rtol=0, atol=1e-12)
     found = chain.velocity_gradients(qs, vs)
     for j, direction in enumerate(np.eye(qs.shape[1])):
         after, before = (

@@ -219,7 +219,7 @@ def test_no_piece_is_put_together_after_the_deadline(monkeypatch: pytest.MonkeyP
         clock.advance(2 * ALLOWED)
         return profile
 
-    monkeypatch.setitem(RETIMERS, "toppra", replace(known, profile=late))
+    monkeypatch.setitem(RETIMERS, "toppra", replace(known, profile=late, timed_at_once=None))
     with pytest.raises(DeadlineExceeded) as caught:
         planning.retime_path(
             bundled_world("ur5e_pickup"), "arm", near_home(3), deadline=Deadline.after(1.0, clock)

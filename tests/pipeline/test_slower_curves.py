@@ -13,6 +13,7 @@ from planning.domain.report.stage_reports import RefineReport
 from planning.domain.request.options import RetimeOptions
 from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointType
+from planning.kernel.native import native
 from planning.pipeline import candidate_motions
 from planning.pipeline.timing import candidate_timing
 from planning.pipeline.timing.candidate_order import cheapest_first
@@ -21,7 +22,8 @@ from planning.pipeline.timing.path_curves import PathCurve
 from planning.pipeline.timing.path_duration_bound import path_duration_bound
 from planning.retime.blend import blend_corners
 from planning.retime.bspline_smoothing import smooth_path
-from planning.retime.retimer import retime
+from planning.retime.retimer import RETIMERS, retime
+from planning.retime.smooth_pieces import smooth_pieces
 from tests.clocks import no_hurry
 from tests.conftest import group_of, limits_of, random_waypoints
 from tests.profiles import rng_of, seeds
@@ -120,6 +122,26 @@ def test_bound_is_below_every_timing(types: tuple[JointType, ...], seed: int, me
         bound = path_duration_bound(curve, limits, options)
         duration = retime(curve, limits, options)[0].duration
         assert 0.3 * duration < bound <= duration
+
+
+@pytest.mark.skipif(native() is None, reason="the native kernel was not built")
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("seed", seeds(8, 300))
+def test_bound_and_corners_are_those_of_numpy(
+    monkeypatch: pytest.MonkeyPatch, seed: int, method: str
+) -> None:
+    group = group_of(*[JointType.REVOLUTE] * 7)
+    path = JointPath(group, random_waypoints(group, seed, 2 + seed % 5))
+    curve = blend_corners(path, [0.1, 0.0][seed % 2], 2)
+    limits, smoothness = limits_of(group), RETIMERS[method].smoothness
+    bound, pieces = (
+        path_duration_bound(curve, limits, RetimeOptions(method)),
+        smooth_pieces(curve, smoothness),
+    )
+    for module in ("retime.smooth_pieces", "pipeline.timing.path_duration_bound"):
+        monkeypatch.setattr(f"planning.{module}.native", lambda: None)
+    assert path_duration_bound(curve, limits, RetimeOptions(method)) == pytest.approx(bound)
+    assert smooth_pieces(curve, smoothness) == pieces
 
 
 @pytest.mark.parametrize(("method", "share"), [("toppra", 0.999), ("ruckig", 0.8)])

@@ -7,6 +7,7 @@ import numpy as np
 from planning.certify.clearance.motion_bounds import MovingJoint, joint_chains, moving_joints
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
+from planning.world.collision.near_static import NearStatic
 from planning.world.drake_model import DrakeModel
 
 
@@ -22,7 +23,7 @@ def chain_links(model: DrakeModel, request: CertifyRequest, name: str) -> list[C
     """Return the chain of joints between the world and a frame, in order."""
     moving = moving_joints(model, request.group)
     chains = joint_chains(model, moving)
-    context = model.plant.CreateDefaultContext()
+    context = NearStatic.shared(model).plant_context
     full = model.embed(request.group, request.reference, request.state)
     model.plant.SetPositions(context, full)
     frame = model.frame(name)

@@ -1,6 +1,7 @@
 """FrameStates: position, velocity and acceleration of a frame's origin along a trajectory."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -57,9 +58,13 @@ class FrameStates:
         """Prepare; the frame must exist."""
         self._model, self._request, self._plant = model, request, model.plant
         self._frame = model.frame(frame)
-        self._context: Any = model.plant.CreateDefaultContext()
         self._columns = model.velocity_indices(request.group)
         self._kernel = KernelPoints.of(model, request, frame)
+
+    @cached_property
+    def _context(self) -> Any:
+        """Drake's context, which the kernel needs not."""
+        return self._plant.CreateDefaultContext()
 
     def at(self, pieces: Any, local: Float64[np.ndarray, " n"], deadline: Deadline) -> FrameMotion:
         """Return the frame's motion at instants of given pieces, also where two pieces meet.

@@ -14,6 +14,7 @@ from planning.certify.intervals.angular_rates import angular_peak
 from planning.certify.intervals.axis_drift import axis_drift
 from planning.certify.intervals.rounding import UNIT_ROUNDOFF
 from planning.certify.joints.follower_limits import follower_excesses, follower_utilizations
+from planning.certify.joints.joint_bounds import POSITION_GAP, RATE_GAP, JointPeak
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.domain.report.certificate import Check
@@ -23,7 +24,7 @@ from planning.domain.robot.joints import JointType
 MAX_UTILIZATION = 1 + 1e-6
 # Tolerance of position bounds [rad or m].
 POSITION_TOLERANCE = 1e-6
-_RELATIVE_GAP = 1e-8
+_RELATIVE_GAP = RATE_GAP
 # Largest difference of angular rates and tangent derivatives that is neglected, relative to the
 # limit.
 _NEGLIGIBLE_DRIFT = 1e-7
@@ -38,9 +39,11 @@ def position_check(request: CertifyRequest) -> Check:
     value is a guaranteed bound.
     """
     worst = Check("position", -np.inf, POSITION_TOLERANCE, "rad or m", 0.0, passed=True)
+    if request.joint_bounds is not None:
+        return _kernel_position_check(request, request.joint_bounds.position) or worst
     for names, excesses in (_group_excesses(request), follower_excesses(request)):
         if names:
-            peak, row, fraction = bernstein.peak(_rows(excesses), POSITION_TOLERANCE / 100)
+            peak, row, fraction = bernstein.peak(_rows(excesses), POSITION_GAP)
             index, piece = divmod(row, request.trajectory.num_pieces)
             if not peak <= worst.value:
                 time, passed = _time(request, piece, fraction), peak <= POSITION_TOLERANCE
@@ -55,6 +58,24 @@ def position_check(request: CertifyRequest) -> Check:
                     time,
                 )
     return worst
+
+
+def _kernel_position_check(request: CertifyRequest, peak: JointPeak) -> Check | None:
+    """Return the check with the kernel's peak; None if no position is limited."""
+    if peak.row < 0:
+        return None
+    names, limits = request.group.position_names, request.limits
+    rows = [*np.flatnonzero(np.isfinite(limits.upper)), *np.flatnonzero(np.isfinite(limits.lower))]
+    return Check(
+        "position",
+        peak.value,
+        POSITION_TOLERANCE,
+        "rad or m",
+        0.0,
+        peak.value <= POSITION_TOLERANCE,
+        names[rows[peak.row]],
+        _time(request, peak.piece, peak.fraction),
+    )
 
 
 def _group_excesses(request: CertifyRequest) -> tuple[list[str], Array]:
@@ -98,6 +119,13 @@ def _utilizations(
     request: CertifyRequest, name: str, order: int
 ) -> Iterator[tuple[float, str, int, float]]:
     """Yield peak over limit, block, piece and fraction: scalar blocks together, others each."""
+    if request.joint_bounds is not None:
+        peak = request.joint_bounds.rates[order - 1]
+        if peak.row >= 0:
+            errors = request.rounding_errors[order] / getattr(request.limits, name)
+            block = request.group.blocks[peak.row][0]
+            yield max(peak.value, 0.0) + float(errors.max()), block, peak.piece, peak.fraction
+        return
     limits: list[float] = getattr(request.limits, name).tolist()
     limited = [
         (block, list(indices), limit)

@@ -21,6 +21,7 @@ from planning.certify.request import CertifyRequest
 from planning.certify.torque.joint_motion import JointMotion, JointMotions, MotionKind
 from planning.domain.arrays import Array
 from planning.errors import ModelInvalid
+from planning.world.collision.near_static import NearStatic
 from planning.world.drake_model import DrakeModel
 
 
@@ -99,7 +100,8 @@ class _LinkBuilder:
         self._has_loads = has_loads
         world = int(model.plant.world_body().index())
         self.placements = {world: _BodyPlacement(-1, np.eye(4))}
-        self._context = model.plant.CreateDefaultContext()
+        # Parameters are the model's in every context; positions are set here.
+        self._context = NearStatic.shared(model).plant_context
         self._plant.SetPositions(self._context, model.apply_couplings(np.array(request.state)))
         self._motions = JointMotions(model, request.group)
         self._rotor_inertias = self._read_rotor_inertias()

@@ -242,7 +242,8 @@ class TimedTrajectory(Curve):
 
     def time_scaled(self, factor: float) -> "TimedTrajectory":
         """Return the same motion taking `factor` times as long."""
-        powers = factor ** -np.arange(self.coefficients.shape[1], dtype=np.float64)
+        # Products: numpy's powers differ from one instruction set to another.
+        powers = np.vander([1 / factor], self.coefficients.shape[1], increasing=True)[0]
         return TimedTrajectory(
             self.joints,
             self.breaks * factor,

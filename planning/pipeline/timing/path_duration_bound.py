@@ -13,6 +13,7 @@ from planning.domain.curves.curve import JointSpline
 from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointLimits
 from planning.domain.robot.manifold import Manifold
+from planning.kernel.native import native
 from planning.retime.retimer import RETIMERS
 from planning.retime.smooth_pieces import smooth_pieces
 
@@ -33,25 +34,47 @@ def path_duration_bound(spline: JointSpline, limits: JointLimits, options: Retim
         options: Method and factors.
     """
     scaled = limits.scaled(options.velocity_scale, options.acceleration_scale)
-    pieces = smooth_pieces(spline, RETIMERS[options.method].smoothness)
-    bounds = _piece_bounds(spline, pieces, scaled, limits_jerk=options.limits_jerk)
-    return float(bounds.sum()) * (1 - _TOLERANCE)
+    smoothness = RETIMERS[options.method].smoothness
+    rates = _positive_rates(scaled, limits_jerk=options.limits_jerk)
+    module, terms = native(), spline.coefficients.shape[1]
+    is_scalar = len(scaled.blocks) == spline.coefficients.shape[2]
+    if module is not None and spline.manifold.is_vector_space and is_scalar and terms > 1:
+        path = spline.breaks, spline.coefficients
+        bound = float(module.duration_bound(path, spline.bases, np.stack(rates), smoothness))
+    else:
+        pieces = smooth_pieces(spline, smoothness)
+        bound = float(piece_bounds(spline, pieces, scaled, rates).sum())
+    return bound * (1 - _TOLERANCE)
 
 
-def _piece_bounds(
-    spline: JointSpline, pieces: list[JointSpline], limits: JointLimits, *, limits_jerk: bool
-) -> Float64[np.ndarray, " pieces"]:
-    """Return lower bounds of the durations of smooth pieces, each from rest to rest [s]."""
-    edges = np.array([(piece.breaks[0], piece.breaks[-1]) for piece in pieces])
-    s = np.linspace(edges[:, 0], edges[:, 1], _NUM_STEPS + 1)
-    q = spline.positions(s.ravel()).reshape(*s.shape, -1)
+def _positive_rates(limits: JointLimits, *, limits_jerk: bool) -> tuple[Array, Array, Array]:
+    """Return limits of velocity, acceleration and jerk, none of them zero."""
     velocity, acceleration, jerk = (
         np.where(rates > 0, np.minimum(rates, _MAX_RATE), _MAX_RATE)
         for rates in (limits.velocity, limits.acceleration, limits.jerk)
     )
-    steps = (_block_distances(spline, limits, q[1:], q[:-1]) / velocity).max(axis=2)
+    return velocity, acceleration, jerk if limits_jerk else np.full_like(jerk, np.inf)
+
+
+def piece_bounds(
+    spline: JointSpline,
+    pieces: list[JointSpline],
+    limits: JointLimits,
+    rates: tuple[Array, Array, Array],
+) -> Float64[np.ndarray, " pieces"]:
+    """Return lower bounds of the durations of smooth pieces, each from rest to rest [s].
+
+    Args:
+        spline: The curve.
+        pieces: Its smooth pieces.
+        limits: Joint limits, for their blocks.
+        rates: Largest velocity, acceleration and jerk of every block, positive.
+    """
+    edges = np.array([(piece.breaks[0], piece.breaks[-1]) for piece in pieces])
+    s = np.linspace(edges[:, 0], edges[:, 1], _NUM_STEPS + 1)
+    q = spline.positions(s.ravel()).reshape(*s.shape, -1)
+    steps = (_block_distances(spline, limits, q[1:], q[:-1]) / rates[0]).max(axis=2)
     times = np.concatenate([np.zeros((1, len(pieces))), np.cumsum(steps, axis=0)])
-    rates = (velocity, acceleration, jerk if limits_jerk else np.full_like(jerk, np.inf))
     ends = np.stack([q[:1], q[-1:]])
     moved = _block_distances(spline, limits, np.stack([q, q]), ends)
     from_rest, to_rest = durations_from_rest(moved, *rates).max(axis=3)

@@ -21,9 +21,10 @@ from planning.domain.curves.curve import JointSpline
 from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.domain.robot.joints import JointLimits
 from planning.errors import RetimingFailed
-from planning.retime.block_peaks import block_norms, block_peaks
+from planning.retime.block_peaks import block_norms
 from planning.retime.cells import cut_at, even_edges, num_parts, with_extra_edges
 from planning.retime.compose import compose
+from planning.retime.jerk.path_speed_cells import bounded_cells, speed_cells_of
 from planning.retime.jerk.profile_optimizer import can_optimize, optimize_profile
 from planning.retime.jerk.speed_dp import (
     COARSE,
@@ -36,10 +37,8 @@ from planning.retime.jerk.speed_dp import (
 from planning.retime.limits.path_limit import PathLimit, PeakLimit, path_limit_utilizations
 from planning.retime.profile import SpeedProfile
 
-# Number of cells of a smooth piece, that of one whose profile is optimized, and smallest number on
-# each of its polynomial pieces.
+# Number of cells of a smooth piece, and that of one whose profile is optimized.
 _NUM_CELLS, _NUM_COARSE_CELLS = 40, 16
-_MIN_CELLS_PER_PIECE = 2
 # Longest cell for limits that change along a line (joint-space length).
 _MAX_CELL_LENGTH = 0.1
 # Cycle time [s], required by ruckig's constructor and used only in its online mode.
@@ -75,7 +74,7 @@ def ruckig_profile(
         optimized = optimize_profile(smooth_piece, initial, limits, deadline)
         if not np.array_equal(optimized.s, initial.s):
             return optimized
-    initial, cut = _dp_profile_of(smooth_piece, limits, (_NUM_CELLS, FINE), deadline)
+    initial, cell_edges = _dp_profile_of(smooth_piece, limits, (_NUM_CELLS, FINE), deadline)
     if is_straight:
         profiles = [initial]
     else:
@@ -90,13 +89,13 @@ def ruckig_profile(
     peak_limits = [limit for limit in path_limits if isinstance(limit, PeakLimit)]
     if peak_limits and slowed_durations[-1] > initial.duration:
         edges = with_extra_edges(
-            cut.breaks, [limit.discontinuities(smooth_piece) for limit in path_limits]
+            cell_edges, [limit.discontinuities(smooth_piece) for limit in path_limits]
         )
         short_cells = cut_at(smooth_piece, edges)
         short_cells = cut_at(
             smooth_piece, even_edges(edges, num_parts(short_cells, _MAX_CELL_LENGTH))
         )
-        speed_cells = _speed_cells(short_cells, limits, peak_limits)
+        speed_cells = bounded_cells(short_cells, limits, peak_limits)
         profiles.append(
             _dp_profile(
                 smooth_piece,
@@ -132,8 +131,8 @@ def _dp_profile_of(
     limits: JointLimits,
     cells: tuple[int, SpeedLevels],
     deadline: Deadline,
-) -> tuple[SpeedProfile, JointSpline]:
-    """Return the fastest profile along some cells, and the cells.
+) -> tuple[SpeedProfile, Array]:
+    """Return the fastest profile along some cells, and their edges.
 
     Args:
         smooth_piece: The path.
@@ -145,9 +144,9 @@ def _dp_profile_of(
         RetimingFailed: No profile is found.
     """
     num_cells, levels = cells
-    cut, is_straight = _cut_into_cells(smooth_piece, num_cells)
-    speed_cells = _speed_cells(cut, limits)
-    return _dp_profile(smooth_piece, speed_cells, is_straight, levels, deadline), cut
+    speed_cells, is_straight = speed_cells_of(smooth_piece, limits, num_cells)
+    profile = _dp_profile(smooth_piece, speed_cells, is_straight, levels, deadline)
+    return profile, speed_cells.edges
 
 
 def _dp_profile(
@@ -191,31 +190,6 @@ def _required_time_scaling(
     """Return the factor, at least 1, by which a profile must be slowed to keep path limits."""
     utilizations = path_limit_utilizations(path_limits, compose(smooth_piece, profile), deadline)
     return max([1.0, *(utilization.time_scaling for _, utilization in utilizations)])
-
-
-def _cut_into_cells(smooth_piece: JointSpline, num_cells: int) -> tuple[JointSpline, Any]:
-    """Return the smooth piece cut into cells, and whether each cell is straight."""
-    widths = np.diff(smooth_piece.breaks)
-    counts = np.ceil(num_cells * widths / widths.sum()).astype(int)
-    counts = np.maximum(counts, _MIN_CELLS_PER_PIECE)
-    pieces = np.repeat(np.arange(smooth_piece.num_pieces), counts)
-    cut = cut_at(smooth_piece, even_edges(smooth_piece.breaks, counts))
-    return cut, ~smooth_piece.coefficients[pieces, 2:].any(axis=(1, 2))
-
-
-def _speed_cells(
-    cut: JointSpline, limits: JointLimits, peak_limits: Sequence[PeakLimit] = ()
-) -> SpeedCells:
-    first, second, third = (block_peaks(cut, limits, order) for order in (1, 2, 3))
-    bounds = limits.velocity, limits.acceleration, limits.jerk
-    m1 = np.stack([first / bound for bound in bounds])
-    m2 = np.stack([second / bound for bound in bounds[1:]])
-    m3 = (third / limits.jerk)[None]
-    if peak_limits:
-        more = np.concatenate([limit.peaks(cut) for limit in peak_limits], axis=2)
-        parts = zip((m1, m2, m3), np.split(more, [3, 5]), strict=True)
-        m1, m2, m3 = (np.concatenate(both, axis=2) for both in parts)
-    return SpeedCells(cut.breaks, m1, m2, m3)
 
 
 def _straight_bounds(cells: SpeedCells, cell: int) -> tuple[float, float, float]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import prod, sqrt
 
 from planning.domain.curves.curve import Curve, TimedTrajectory
 from planning.domain.report.stage_reports import RetimeReport
@@ -46,12 +47,14 @@ def audited(
     utilizations = [max_utilization(raw, limits, order) for order in range(1, len(rates) + 1)]
     path_utilizations = path_limit_utilizations(path_limits, raw, deadline)
     time_scaling = max(
-        use.fraction ** (1 / order) for order, use in enumerate(utilizations, start=1)
+        # Powers differ from one machine to another, square roots do not.
+        sqrt(use.fraction) if order == 2 else use.fraction ** (1 / order)
+        for order, use in enumerate(utilizations, start=1)
     )
     time_scaling = max([time_scaling, *(use.time_scaling for _, use in path_utilizations)])
     time_scaling = max(time_scaling * (1 + _LIMIT_RESERVE), fastest)
     scaled = [
-        replace(use, fraction=use.fraction / time_scaling**order)
+        replace(use, fraction=use.fraction / prod([time_scaling] * order))
         for order, use in enumerate(utilizations, start=1)
     ]
     slowed = [(name, use.slowed(time_scaling)) for name, use in path_utilizations]

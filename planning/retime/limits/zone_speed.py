@@ -10,6 +10,7 @@ from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.geometry import rotation
 from planning.domain.request.motion_limits import SpeedZone
+from planning.kernel.native import native
 from planning.retime.block_peaks import bernstein_block_norms, block_peaks
 from planning.retime.compose import taylor_shifted
 from planning.retime.jerk.velocity_bounds import cell_velocity_bounds
@@ -107,7 +108,7 @@ class ZoneSpeed:
 
 
 @dataclass(frozen=True)
-class _Visits:
+class Visits:
     """Parts of pieces, in order, that contain all visits of a point to a box.
 
     Attributes:
@@ -129,16 +130,31 @@ class _Visits:
         return JointSpline(curve.joints, breaks, curve.bases[self.pieces], local)
 
 
-def _visits(zone: SpeedZone, curve: JointSpline, padding: float) -> _Visits:
+def _visits(zone: SpeedZone, curve: JointSpline, padding: float) -> Visits:
     """Return the parts of a curve on which a point may be within `padding` of a box [m].
 
     By Bernstein coefficients in the box's axes: if all are beyond a face, so is the curve.
     """
     half = zone.box.size / 2 + padding
-    pieces = np.arange(curve.num_pieces)
-    low, high = curve.breaks[:-1], curve.breaks[1:]
     polynomials = to_bernstein(curve.coefficients, np.diff(curve.breaks)) + curve.bases[:, None]
     polynomials = _in_box(zone, polynomials)
+    module = native()
+    if module is None:
+        return visits_in_numpy(curve.breaks, polynomials, half)
+    return Visits(*module.box_visits(curve.breaks, polynomials, half, _NUM_BISECTIONS))
+
+
+def visits_in_numpy(breaks: Array, polynomials: Array, half: Array) -> Visits:
+    """Return the parts on which a point may be in a box, without the kernel.
+
+    Args:
+        breaks: Of the curve, shape (n + 1,).
+        polynomials: Bernstein coefficients in the box's axes, relative to its centre [m], shape
+            (n, k, 3).
+        half: Half the size of the box [m], shape (3,).
+    """
+    pieces = np.arange(len(polynomials))
+    low, high = breaks[:-1], breaks[1:]
     found: list[tuple[Any, Array, Array]] = []
     for depth in range(_NUM_BISECTIONS + 1):
         is_outside = ((polynomials > half).all(axis=1) | (polynomials < -half).all(axis=1)).any(
@@ -155,7 +171,7 @@ def _visits(zone: SpeedZone, curve: JointSpline, padding: float) -> _Visits:
         high = np.stack([middle, high[is_open]], axis=1).ravel()
     pieces, low, high = (np.concatenate(parts) for parts in zip(*found, strict=True))
     order = np.argsort(low)
-    return _Visits(pieces[order], low[order], high[order])
+    return Visits(pieces[order], low[order], high[order])
 
 
 def _in_box(zone: SpeedZone, points: Array) -> Array:

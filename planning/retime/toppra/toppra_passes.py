@@ -4,7 +4,8 @@ Pham and Pham, "A new approach to time-optimal path parameterization based on re
 analysis", T-RO 2018. The backward pass computes the controllable sets of squared speeds; the
 forward pass takes the greatest of them. Rest is always controllable, because the limits are
 symmetric: the sets begin at zero, and half of toppra's own linear programs need not be solved.
-toppra's own class has more overhead around every program; only its solver is used here.
+toppra's own class has more overhead around every program; only its solver is used here, and where
+there is a kernel, its twin in `planning/kernel/src/path`, which has the same numbers.
 """
 
 from math import isfinite, isnan
@@ -15,6 +16,7 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array
 from planning.errors import RetimingFailed
+from planning.kernel.native import native
 from planning.retime.toppra.toppra_solver import (
     ConstraintType,
     DiscretizationType,
@@ -41,6 +43,27 @@ def squared_speeds(
         rows: a and b of the limits a u + b x <= 1 on every cell, u = d2s/dt2, x at its beginning.
             They must allow u = 0 at x = 0. Numbers should be of order one.
         caps: Upper bounds on x at the edges.
+
+    Raises:
+        RetimingFailed: toppra finds none.
+    """
+    module = native()
+    # Numbers that are not finite are left to toppra, and so is to say that there is no profile.
+    if module is not None and isfinite(float(rows[0].sum() + rows[1].sum())):
+        x = module.squared_speeds(
+            edges, np.ascontiguousarray(rows[0]), np.ascontiguousarray(rows[1]), caps
+        )
+        if len(x):
+            return np.asarray(x)
+    return speeds_by_toppra(edges, rows, caps)
+
+
+def speeds_by_toppra(
+    edges: Float64[np.ndarray, " n_plus_1"],
+    rows: tuple[Float64[np.ndarray, "n m"], Float64[np.ndarray, "n m"]],
+    caps: Float64[np.ndarray, " n_plus_1"],
+) -> Float64[np.ndarray, " n_plus_1"]:
+    """Return the same by toppra's own solver, with which the kernel's passes agree bit by bit.
 
     Raises:
         RetimingFailed: toppra finds none.

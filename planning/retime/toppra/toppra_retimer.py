@@ -16,7 +16,6 @@ from planning.domain.curves.curve import JointSpline
 from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.domain.robot.joints import JointLimits
 from planning.errors import RetimingFailed
-from planning.kernel.native import native
 from planning.retime.block_peaks import bernstein_block_norms
 from planning.retime.cells import (
     cut_at,
@@ -66,25 +65,6 @@ def toppra_profile(
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """
-    module = native()
-    if module is not None and not path_limits and _has_native_cells(smooth_piece, limits):
-        return _native_profile(module, smooth_piece, limits, deadline)
-    return profile_in_numpy(smooth_piece, limits, path_limits, deadline)
-
-
-def profile_in_numpy(
-    smooth_piece: JointSpline,
-    limits: JointLimits,
-    path_limits: Sequence[PathLimit] = (),
-    deadline: Deadline = NO_DEADLINE,
-) -> SpeedProfile:
-    """Return the same for all curves and limits; what the kernel is compared with.
-
-    Raises:
-        RetimingFailed: As `toppra_profile`.
-        DeadlineExceeded: Time ran out.
-        Canceled: The caller canceled.
-    """
     is_line = ~smooth_piece.coefficients[:, 2:].any(axis=(1, 2))
     if all(limit.is_uniform for limit in path_limits):
         cells, pieces = _cut_into_cells(
@@ -102,37 +82,6 @@ def profile_in_numpy(
             cut_at(smooth_piece, refined_edges), limits, path_limits, deadline
         )
     return profile
-
-
-def _has_native_cells(smooth_piece: JointSpline, limits: JointLimits) -> bool:
-    """Return whether the kernel has the cells: of lines and parabolas, with a limit for each joint.
-
-    Limits of both rates are positive.
-    """
-    _, terms, count = smooth_piece.coefficients.shape
-    return 2 <= terms <= 3 and limits.blocks == tuple((i,) for i in range(count))
-
-
-def _native_profile(
-    module: Any, smooth_piece: JointSpline, limits: JointLimits, deadline: Deadline
-) -> SpeedProfile:
-    """Return the fastest profile under limits of joints, with cells and rows by the kernel.
-
-    Raises:
-        RetimingFailed: As `toppra_profile`.
-        DeadlineExceeded: Time ran out.
-        Canceled: The caller canceled.
-    """
-    edges, is_line, speed, acceleration, a, b, caps, time_unit = module.path_cells(
-        (smooth_piece.breaks, smooth_piece.coefficients), limits.velocity, limits.acceleration
-    )
-    lines = LineLimits(is_line, speed, acceleration, acceleration)
-    if len(is_line) == 1 and is_line[0]:
-        return profile_between(edges, np.zeros(2), lines)
-    deadline.check("retime")
-    x = squared_speeds(edges, (a, b), caps) / (time_unit * time_unit)
-    _require_motion(lines, x)
-    return profile_between(edges, x, lines)
 
 
 def _require_motion(lines: LineLimits, x: Array) -> None:

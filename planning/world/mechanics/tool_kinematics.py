@@ -76,7 +76,10 @@ class ToolKinematics:
         self, qs: Float64[np.ndarray, "n nq"], vs: Float64[np.ndarray, "n nv"]
     ) -> Float64[np.ndarray, "n 3"]:
         """Return v_WT of T's origin [m/s] for Drake's generalized velocities."""
-        return np.einsum("nij,nj->ni", self.velocity_jacobians(qs)[:, 3:], vs)
+        if self._chain is None:
+            return np.einsum("nij,nj->ni", self.velocity_jacobians(qs)[:, 3:], vs)
+        found: Array = self._chain.velocities(*map(np.ascontiguousarray, (qs, vs)))
+        return found
 
     def velocity_gradients(
         self, qs: Float64[np.ndarray, "n nq"], vs: Float64[np.ndarray, "n nv"]

@@ -1,4 +1,4 @@
-"""The kernel's cells, profiles and compositions are numpy's, bit by bit."""
+"""The kernel's speeds, profiles, compositions and whole timings are toppra's and numpy's."""
 
 import dataclasses
 
@@ -9,15 +9,20 @@ from hypothesis import strategies as st
 
 from planning.domain.curves.curve import JointSpline, TimedTrajectory
 from planning.domain.curves.path import JointPath
+from planning.domain.request.deadline import NO_DEADLINE
 from planning.domain.robot.joints import JointGroup, JointLimits, JointType
+from planning.errors import RetimingFailed
 from planning.kernel.native import native
 from planning.retime.blend import blend_corners
 from planning.retime.compose import compose, compose_in_numpy
-from planning.retime.limit_utilization import max_block_utilization, max_utilization
+from planning.retime.limit_utilization import RATES, max_block_utilization, max_utilization
+from planning.retime.limits.timed_piece import TimedPiece, audited
 from planning.retime.line_profile import LineLimits, profile_between, profile_between_in_numpy
 from planning.retime.profile import SpeedProfile
 from planning.retime.smooth_pieces import smooth_pieces
-from planning.retime.toppra.toppra_retimer import profile_in_numpy, toppra_profile
+from planning.retime.toppra.kernel_retimer import timed_by_kernel
+from planning.retime.toppra.toppra_passes import speeds_by_toppra, squared_speeds
+from planning.retime.toppra.toppra_retimer import toppra_profile
 from tests.conftest import group_of, limits_of, random_waypoints
 from tests.retime.splines import SEVEN, slow_profile, smooth_spline
 
@@ -49,19 +54,54 @@ def scaled_limits(group: JointGroup, seed: int) -> JointLimits:
     )
 
 
+def step_by_step(spline: JointSpline, limits: JointLimits) -> list[TimedPiece]:
+    """Return the smooth pieces of a path timed in numpy, with speeds by toppra itself."""
+    return [
+        audited(
+            compose_in_numpy(piece, toppra_profile(piece, limits)),
+            limits,
+            RATES[:2],
+            (),
+            NO_DEADLINE,
+        )
+        for piece in smooth_pieces(spline, 1)
+    ]
+
+
 @given(
     count=st.sampled_from(sorted(GROUPS)),
     seed=st.integers(0, 10_000),
     num_waypoints=st.sampled_from([2, 3, 6, 40]),
+    deviation=st.sampled_from([0.0, 0.1]),
 )
-def test_profiles_and_motions_of_blended_paths_are_numpys(
-    count: int, seed: int, num_waypoints: int
+def test_paths_are_timed_as_step_by_step(
+    count: int, seed: int, num_waypoints: int, deviation: float
 ) -> None:
-    limits = scaled_limits(GROUPS[count], seed)
-    for piece in blended(count, seed, num_waypoints):
-        profile = toppra_profile(piece, limits)
-        assert are_same(profile, profile_in_numpy(piece, limits))
-        assert compose(piece, profile) == compose_in_numpy(piece, profile)
+    group, limits = GROUPS[count], scaled_limits(GROUPS[count], seed)
+    path = JointPath(group, random_waypoints(group, seed, num_waypoints))
+    spline = blend_corners(path, deviation)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("planning.retime.toppra.toppra_retimer.squared_speeds", speeds_by_toppra)
+        wanted = step_by_step(spline, limits)
+    assert timed_by_kernel(spline, limits) == wanted
+
+
+@given(
+    count=st.sampled_from(sorted(GROUPS)),
+    seed=st.integers(0, 10_000),
+    num_waypoints=st.sampled_from([3, 6, 40]),
+    deviation=st.sampled_from([0.008, 0.1]),
+    smoothness=st.sampled_from([1, 2]),
+)
+def test_corners_are_rounded_as_in_numpy(
+    count: int, seed: int, num_waypoints: int, deviation: float, smoothness: int
+) -> None:
+    group = GROUPS[count]
+    path = JointPath(group, random_waypoints(group, seed, num_waypoints))
+    found = blend_corners(path, deviation, smoothness)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("planning.retime.blend.native", lambda: None)
+        assert blend_corners(path, deviation, smoothness) == found
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -76,7 +116,31 @@ def test_paths_of_parabolas_alone_are_cut_as_finely(seed: int) -> None:
         whole.bases[row : row + 1],
         whole.coefficients[row : row + 1],
     )
-    assert are_same(toppra_profile(curve, limits), profile_in_numpy(curve, limits))
+    assert timed_by_kernel(curve, limits) == step_by_step(curve, limits)
+
+
+@given(seed=st.integers(0, 10_000), count=st.integers(1, 40), rows=st.integers(1, 8))
+def test_speeds_are_toppras_bit_by_bit(seed: int, count: int, rows: int) -> None:
+    rng = np.random.default_rng(seed)
+    edges = np.concatenate([[0.0], np.cumsum(rng.uniform(0.01, 0.2, count))])
+    size = 2, count, rows
+    half = rng.normal(size=size) * rng.choice([0.0, 1.0], size, p=[0.2, 0.8])
+    a, b = (np.concatenate([part, -part], axis=1) for part in half)
+    caps = rng.uniform(0.05, 5.0, count + 1)
+    wanted = speeds_by_toppra(edges, (a, b), caps)
+    module = native()
+    assert module is not None
+    assert np.array_equal(module.squared_speeds(edges, a, b, caps), wanted)
+
+
+def test_rows_that_no_speed_keeps_are_left_to_toppra() -> None:
+    edges, caps = np.array([0.0, 1.0, 2.0]), np.array([1.0, -1.0, 1.0])
+    rows = np.ones((2, 2)), np.zeros((2, 2))
+    module = native()
+    assert module is not None
+    assert not len(module.squared_speeds(edges, *rows, caps))
+    with pytest.raises(RetimingFailed, match="no velocity profile"):
+        squared_speeds(edges, rows, caps)
 
 
 @given(seed=st.integers(0, 10_000), count=st.integers(1, 60))
@@ -109,8 +173,11 @@ def test_utilizations_are_those_of_numpys_search(seed: int, terms: int, gain: fl
     curve = TimedTrajectory(SEVEN.joints, np.linspace(0.0, 2.0, 6), np.zeros((5, 7)), coefficients)
     limits = scaled_limits(SEVEN, seed)
     for order in (1, 2):
-        found = max_utilization(curve, limits, order)
-        assert found == max_block_utilization(curve, limits, order)
+        found, wanted = (
+            of(curve, limits, order) for of in (max_utilization, max_block_utilization)
+        )
+        assert found.block == wanted.block
+        assert found.fraction == pytest.approx(wanted.fraction, rel=1e-12)
 
 
 def test_a_limit_that_is_infinite_or_zero_is_left_to_numpy() -> None:

@@ -51,6 +51,21 @@ auto jacobians(const Chain& c, const Doubles& qs) {
   return array_of(found, rows.rows, 6, velocities_of(c));
 }
 
+auto velocities(const Chain& c, const Doubles& qs, const Doubles& vs) {
+  const Table rows = table(qs, positions_of(c), "qs");
+  const Table rates = table(vs, rows.rows, velocities_of(c), "vs");
+  std::vector<double> found;
+  found.reserve(3 * rows.rows);
+  {
+    nb::gil_scoped_release released;
+    for (std::size_t i = 0; i < rows.rows; ++i) {
+      const Vec3 velocity = c.velocity({rows.row(i), rows.columns}, {rates.row(i), rates.columns});
+      found.insert(found.end(), {velocity.x, velocity.y, velocity.z});
+    }
+  }
+  return array_of(found, rows.rows, 3);
+}
+
 auto velocity_gradients(const Chain& c, const Doubles& qs, const Doubles& vs) {
   const Table rows = table(qs, positions_of(c), "qs");
   const Table rates = table(vs, rows.rows, velocities_of(c), "vs");
@@ -133,6 +148,7 @@ void bind_ik(nb::module_& m) {
            nb::arg("link"), nb::arg("X_LT"))
       .def("poses", &poses, nb::arg("qs"))
       .def("jacobians", &jacobians, nb::arg("qs"))
+      .def("velocities", &velocities, nb::arg("qs"), nb::arg("vs"))
       .def("velocity_gradients", &velocity_gradients, nb::arg("qs"), nb::arg("vs"))
       .def("solve", &solve, nb::arg("seeds"), nb::arg("target_of"), nb::arg("targets"), nb::arg("lower"),
            nb::arg("upper"), nb::arg("tolerance"), nb::arg("enough"), nb::arg("max_iterations"),

@@ -13,6 +13,7 @@
 #include "bind/bind.hpp"
 #include "math/bernstein.hpp"
 #include "prover/beside_prover.hpp"
+#include "prover/joint_bounds.hpp"
 #include "prover/prover.hpp"
 
 namespace wayproof {
@@ -104,6 +105,35 @@ std::tuple<double, std::size_t, double> peak_of(const Doubles& coefficients, dou
   return {found.bound, found.row, found.fraction};
 }
 
+nb::tuple tuple_of(const JointPeak& peak) { return nb::make_tuple(peak.bound, peak.joint, peak.piece, peak.fraction); }
+
+// Forms by order, [joints][pieces][terms]; their largest magnitudes; the peak of positions over their bounds and of
+// rates over their limits (value, joint, piece, fraction); largest sums of jumps and the last jump of each.
+auto bounds_of_joints(const std::tuple<Doubles, Doubles, Doubles>& curve, const Doubles& lower, const Doubles& upper,
+                      const Doubles& rates, double position_tolerance, double rate_gap) {
+  const auto& [breaks, bases, coefficients] = curve;
+  require(coefficients.ndim() == 3 && coefficients.size() > 0, "coefficients are not of shape (pieces, terms, joints)");
+  const std::size_t pieces = coefficients.shape(0), terms = coefficients.shape(1), joints = coefficients.shape(2);
+  const auto times = finite(row(breaks, pieces + 1, "breaks"), "breaks");
+  for (std::size_t i = 0; i < pieces; ++i) require(times[i] < times[i + 1], "breaks do not rise");
+  require(rates.ndim() == 2 && rates.shape(0) >= 2 && rates.shape(0) <= 3, "rates has neither two nor three rows");
+  const JointMotion motion{times, finite(table(bases, pieces, joints, "bases").all(), "bases"),
+                           finite({coefficients.data(), coefficients.size()}, "coefficients"), terms, joints};
+  const JointLimitRows limits{ordered(row(lower, joints, "lower"), "lower"),
+                              ordered(row(upper, joints, "upper"), "upper"),
+                              ordered(table(rates, rates.shape(0), joints, "rates").all(), "rates"),
+                              positive(position_tolerance, "position_tolerance"), positive(rate_gap, "rate_gap")};
+  const JointBounds found = joint_bounds(motion, limits);
+  nb::list forms, peaks, jumps;
+  for (std::size_t k = 0; k < found.forms.size(); ++k)
+    forms.append(array_of(found.forms[k], joints, pieces, std::max<std::size_t>(terms - std::min(k, terms - 1), 1)));
+  for (const JointPeak& peak : found.rates) peaks.append(tuple_of(peak));
+  for (const JumpSums& sums : found.jumps)
+    jumps.append(nb::make_tuple(array_of(sums.largest, joints), array_of(sums.last, joints)));
+  return nb::make_tuple(forms, array_of(found.magnitudes, found.forms.size(), joints), tuple_of(found.position), peaks,
+                        jumps);
+}
+
 }  // namespace
 
 void bind_prover(nb::module_& m) {
@@ -142,6 +172,10 @@ void bind_prover(nb::module_& m) {
       .def("__init__", &make_beside, nb::arg("scene"), nb::arg("first"), nb::arg("second"), nb::arg("state"),
            nb::arg("margins"), nb::arg("slack"))
       .def("prove", &prove<BesideProver>, nb::arg("interrupt"));
+  m.def("joint_bounds", &bounds_of_joints, nb::arg("curve"), nb::arg("lower"), nb::arg("upper"), nb::arg("rates"),
+        nb::arg("position_tolerance"), nb::arg("rate_gap"),
+        "Of the joints of a motion (breaks, bases, coefficients): Bernstein forms by order, magnitudes, peaks of "
+        "positions and of rates, sums of jumps.");
   m.def("peak", &peak_of, nb::arg("coefficients"), nb::arg("tolerance"),
         "An upper bound on polynomials in Bernstein form, the row where it is, and the fraction of its "
         "interval.");

@@ -168,6 +168,41 @@ void Chain::jacobian(std::span<const double> q, std::span<double> J) const {
   visit_rates(q, [&](const ChainRate& rate, Vec3 w, Vec3 v) { put(J, num_velocities, rate, w, v); });
 }
 
+// One pass: the velocity of the point of T at the world's origin, and the angular velocity, added up joint by joint.
+Vec3 Chain::velocity(std::span<const double> q, std::span<const double> v) const {
+  Transform X_WM;
+  Vec3 turn, at_origin;
+  const auto speed = [&](const ChainRate& rate) { return rate.column < 0 ? 0 : rate.factor * v[rate.column]; };
+  for (const ChainJoint& joint : joints) {
+    const Transform X_WF = X_WM * joint.X_BF;
+    X_WM = X_WF * moved(joint, q);
+    const auto turning = [&](int rate, int i) {
+      const Vec3 w = speed(joint.rates[rate]) * axis_of(X_WF.R, i);
+      turn = turn + w, at_origin = at_origin + cross(X_WM.p, w);
+    };
+    const auto sliding = [&](int rate, int i) {
+      at_origin = at_origin + speed(joint.rates[rate]) * axis_of(X_WF.R, i);
+    };
+    switch (joint.kind) {
+      case JointKind::revolute: turning(0, 2); break;
+      case JointKind::prismatic: sliding(0, 2); break;
+      case JointKind::planar:
+        sliding(0, 0);
+        sliding(1, 1);
+        turning(2, 2);
+        break;
+      case JointKind::floating:
+        for (int i = 0; i < 3; ++i) {
+          turning(i, i);
+          sliding(3 + i, i);
+        }
+        break;
+      case JointKind::fixed: break;
+    }
+  }
+  return at_origin + cross(turn, (X_WM * X_MT).p);
+}
+
 // A joint k nearer to the base than m, or m itself, turns the column v_m: its derivative by k is w_k x v_m; so that by
 // m of v_k is w_k x v_m as well.
 void Chain::velocity_gradient(std::span<const double> q, std::span<const double> v, std::span<double> gradient) const {

@@ -53,6 +53,9 @@ struct Chain {
   // Geometric Jacobian J, [6][num_velocities]: [w_WT; v_WT] = J v, all in W.
   void jacobian(std::span<const double> q, std::span<double> J) const;
 
+  // v_WT = J v of T's origin.
+  Vec3 velocity(std::span<const double> q, std::span<const double> v) const;
+
   // Derivatives of v_WT = J v of T's origin by the group's coordinates at a constant v, [3][num_velocities]; not for
   // joints that float.
   void velocity_gradient(std::span<const double> q, std::span<const double> v, std::span<double> gradient) const;

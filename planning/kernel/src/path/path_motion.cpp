@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "path/path_cells.hpp"
+#include "speeds/path_cells.hpp"
 
 namespace wayproof {
 namespace {

@@ -1,4 +1,4 @@
-#include "path/path_cells.hpp"
+#include "speeds/path_cells.hpp"
 
 #include <algorithm>
 #include <cmath>
