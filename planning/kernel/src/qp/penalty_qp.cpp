@@ -91,9 +91,9 @@ class Search {
       low.s[i] = x[i] - p.lower[i], high.s[i] = p.upper[i] - x[i];
       low.z[i] = start / low.s[i], high.z[i] = start / high.s[i];
     }
-    blocks.times(x, along);
+    blocks.times(x, at);
     for (std::size_t k = 0; k < m; ++k) {
-      const double spare = along[k] - p.least[k], floor = 0.1;
+      const double spare = at[k] - p.least[k], floor = 0.1;
       over.s[k] = std::max(spare, 0.0) + floor, under.s[k] = std::max(-spare, 0.0) + floor;
       over.z[k] = std::min(start / over.s[k], 0.5 * p.price[k]);
       under.z[k] = p.price[k] - over.z[k];
@@ -125,6 +125,7 @@ class Search {
       if (!is_finite(dx)) break;
       shortest = std::min(p_step, d_step);
       for (int i = 0; i < n; ++i) x[i] += p_step * dx[i];
+      for (std::size_t k = 0; k < m; ++k) at[k] += p_step * along[k];
       for (ComplementaryPairs* pair : {&low, &high, &over, &under}) pair->move(p_step, d_step);
     }
     return {x, step, gap};
@@ -138,9 +139,8 @@ class Search {
     double worst = 0;
     for (int i = 0; i < n; ++i) rx[i] = p.c[i] + p.q[i] * x[i] - low.z[i] + high.z[i];
     blocks.add_transposed(over.z, -1, rx);
-    blocks.times(x, along);
     for (std::size_t k = 0; k < m; ++k) {
-      ry[k] = along[k] + under.s[k] - over.s[k] - p.least[k];
+      ry[k] = at[k] + under.s[k] - over.s[k] - p.least[k];
       worst = std::max(worst, std::abs(ry[k]));
     }
     for (double r : rx) worst = std::max(worst, std::abs(r));
@@ -192,7 +192,8 @@ class Search {
   std::size_t m;
   RowBlocks blocks;
   Skyline matrix;
-  std::vector<double> x, rx, ry, dx, along, weight, need, pull, t_low, t_high, t_over, t_under;
+  std::vector<double> x, rx, ry, dx, weight, need, pull, t_low, t_high, t_over, t_under;
+  std::vector<double> at, along;  // A x, and A dx
   ComplementaryPairs low, high;
   RowPairs rows;
   ComplementaryPairs &over, &under;
