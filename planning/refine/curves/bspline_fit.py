@@ -50,7 +50,7 @@ def fit_control_points(
     for num_control_points in _CONTROL_POINT_COUNTS:
         weights = _basis_matrix(num_control_points)
         ends = weights[:, :1] * targets[0] + weights[:, -1:] * targets[-1]
-        inner = np.linalg.lstsq(weights[:, 1:-1], targets - ends)[0]
+        inner = _inner_fit(num_control_points) @ (targets - ends)
         fitted = np.vstack([targets[:1], inner, targets[-1:]])
         if np.linalg.norm(weights @ fitted - targets, axis=1).max() < tolerance:
             break
@@ -63,5 +63,13 @@ def _basis_matrix(num_control_points: int) -> Array:
     weights = position_weights(num_control_points, np.linspace(0.0, 1.0, _NUM_SAMPLES))
     matrix = np.zeros((_NUM_SAMPLES, num_control_points))
     np.put_along_axis(matrix, weights.control_points, weights.values, axis=1)
+    matrix.flags.writeable = False
+    return matrix
+
+
+@lru_cache(maxsize=8)
+def _inner_fit(num_control_points: int) -> Array:
+    """Return what makes the inner control points of samples, shape (n - 2, num_samples)."""
+    matrix = np.linalg.pinv(_basis_matrix(num_control_points)[:, 1:-1])
     matrix.flags.writeable = False
     return matrix

@@ -105,9 +105,10 @@ class Search {
       low.s[i] = x[i] - p.lower[i], high.s[i] = p.upper[i] - x[i];
       low.z[i] = start / low.s[i], high.z[i] = start / high.s[i];
     }
-    values_at_x();
+    blocks.times(x, at);
+    balls.move_to(x, at.data() + num_linear);
     for (std::size_t k = 0; k < m; ++k) {
-      const double spare = along[k] - p.least[k], floor = 0.1;
+      const double spare = at[k] - p.least[k], floor = 0.1;
       over.s[k] = std::max(spare, 0.0) + floor, under.s[k] = std::max(-spare, 0.0) + floor;
       over.z[k] = std::min(start / over.s[k], 0.5 * p.price[k]);
       under.z[k] = p.price[k] - over.z[k];
@@ -140,6 +141,7 @@ class Search {
       if (!is_finite(dx)) break;
       shortest = std::min(p_step, d_step);
       for (int i = 0; i < n; ++i) x[i] += p_step * dx[i];
+      for (std::size_t k = 0; k < num_linear; ++k) at[k] += p_step * along[k];
       for (ComplementaryPairs* pair : {&low, &high, &over, &under}) pair->move(p_step, d_step);
       // Slacks take up what is not linear; else it is a residual, which the next step takes up.
       for (std::size_t k = num_linear; is_careful && k < m; ++k) under.s[k] += shortfall(k - num_linear, p_step);
@@ -150,12 +152,6 @@ class Search {
  private:
   static constexpr double start = 0.05;
 
-  // The left sides of rows, as `along`.
-  void values_at_x() {
-    blocks.times(x, along);
-    balls.move_to(x, along.data() + num_linear);
-  }
-
   void add_transposed(const std::vector<double>& y, double scale, std::vector<double>& to) {
     blocks.add_transposed(y, scale, to);
     balls.add_transposed(y.data() + num_linear, scale, to);
@@ -164,11 +160,11 @@ class Search {
   // rx: stationarity in x; ry: rows. The slacks of the box and the multipliers of the shortfalls are kept exact.
   double residuals() {
     double worst = 0;
-    values_at_x();
+    balls.move_to(x, at.data() + num_linear);
     for (int i = 0; i < n; ++i) rx[i] = p.c[i] + p.q[i] * x[i] - low.z[i] + high.z[i];
     add_transposed(over.z, -1, rx);
     for (std::size_t k = 0; k < m; ++k) {
-      ry[k] = along[k] + under.s[k] - over.s[k] - p.least[k];
+      ry[k] = at[k] + under.s[k] - over.s[k] - p.least[k];
       worst = std::max(worst, std::abs(ry[k]));
     }
     for (double r : rx) worst = std::max(worst, std::abs(r));
@@ -242,7 +238,8 @@ class Search {
   RowBlocks blocks;
   BallBlocks balls;
   Skyline matrix;
-  std::vector<double> x, rx, ry, dx, along, weight, need, pull, t_low, t_high, t_over, t_under;
+  std::vector<double> x, rx, ry, dx, weight, need, pull, t_low, t_high, t_over, t_under;
+  std::vector<double> at, along;  // A x and A dx, with the lengths of balls and their change to first order
   ComplementaryPairs low, high;
   RowPairs rows;
   ComplementaryPairs &over, &under;
