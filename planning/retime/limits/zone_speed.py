@@ -141,6 +141,8 @@ def _visits(zone: SpeedZone, curve: JointSpline, padding: float) -> Visits:
     module = native()
     if module is None:
         return visits_in_numpy(curve.breaks, polynomials, half)
+    # The kernel takes finite numbers; no point is farther than the largest one.
+    half = np.minimum(half, np.finfo(np.float64).max)
     return Visits(*module.box_visits(curve.breaks, polynomials, half, _NUM_BISECTIONS))
 
 
