@@ -61,6 +61,16 @@ def test_the_bound_holds_within_the_tolerance(natively: bool, tolerance: float, 
     assert 1.0 - 1e-12 <= bound <= 1.0 + tolerance + 1e-12
 
 
+@NATIVELY
+@pytest.mark.parametrize("row", [0, 1])
+@pytest.mark.parametrize("column", [0, 1, 3])
+def test_what_is_no_number_is_below_no_bound(natively: bool, row: int, column: int) -> None:
+    forms = np.zeros((2, 4))
+    forms[row, column] = np.nan
+    bound, _, _ = bernstein.peak(forms, 1e-9, use_kernel=natively)
+    assert not bound <= 1e9
+
+
 @pytest.mark.skipif(native() is None, reason="the native code is not built")
 @given(seed=st.integers(0, 9999), degree=st.integers(0, 10), decades=st.integers(-9, 9))
 def test_with_and_without_the_native_code_peaks_are_the_same(

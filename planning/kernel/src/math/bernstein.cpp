@@ -1,6 +1,7 @@
 #include "math/bernstein.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -44,6 +45,8 @@ Peak peak(std::span<const double> coefficients, std::size_t terms, double tolera
   double taken = -inf;
   for (std::size_t i = 0; i < rows; ++i) {
     const double* c = coefficients.data() + i * terms;
+    // Comparisons with NaN would let it pass below every bound.
+    if (std::any_of(c, c + terms, [](double x) { return std::isnan(x); })) return {inf, i, 0};
     uppers[i] = *std::max_element(c, c + terms);
     taken = std::max({taken, c[0], c[terms - 1]});
   }
