@@ -34,6 +34,7 @@ bool has_near_pair(const Scene& scene, std::span<const double> full, double reac
 std::vector<std::int64_t> near_geometries(const Scene& scene, std::span<const double> full, int first, double reach) {
   const std::vector<Transform> X_WG = poses_at(scene, full);
   std::vector<Vec3> centers;
+  centers.reserve(X_WG.size());
   for (std::size_t g = 0; g < X_WG.size(); ++g) centers.push_back(X_WG[g] * scene.geometries[g].shape.center);
   std::vector<char> is_near(X_WG.size(), 0);
   for (const Pair pair : scene.pairs) {

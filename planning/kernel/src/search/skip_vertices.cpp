@@ -33,7 +33,8 @@ Points subdivide(std::span<const double> waypoints, const EdgeVerdicts& edges, i
     const std::int64_t parts = std::min<std::int64_t>(max_parts, steps);
     points.add(a, nq, e - 1, e);
     for (std::int64_t part = 1; part < parts; ++part) {
-      const double fraction = static_cast<double>(part * steps / parts) / static_cast<double>(steps);
+      const std::int64_t step = part * steps / parts;
+      const double fraction = static_cast<double>(step) / static_cast<double>(steps);
       for (int v = 0; v < nq; ++v) q[v] = a[v] + fraction * delta[v];
       points.add(q.data(), nq, e, e);
     }
