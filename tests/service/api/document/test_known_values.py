@@ -28,7 +28,9 @@ NOT_ANSWERED = {"field", "key", "name", "scene", "value"}
 
 def said(folder: str, *expressions: str) -> set[str]:
     """What the groups of expressions match in the sources of a folder."""
-    texts = [file.read_text(encoding="utf-8") for file in (ROOT / folder).rglob("*.py")]
+    folders = [ROOT / folder] if folder != "." else [ROOT / "planning", ROOT / "service"]
+    files = (file for each in folders for file in each.rglob("*.py"))
+    texts = [file.read_text(encoding="utf-8") for file in files]
     return {word for text in texts for each in expressions for word in re.findall(each, text)}
 
 
