@@ -78,11 +78,7 @@ def reuse_model(
         model = _with_other_objects(before, stored, static_names)
     if model is None:
         return None
-    robots = tuple(
-        replace(loaded, scene_robot=robot)
-        for loaded, robot in zip(previous.loaded_robots, stored.scene.robots, strict=True)
-    )
-    return model, robots
+    return model, _at_new_positions(previous.loaded_robots, stored.scene)
 
 
 def _model_digest(scene: Scene, static_names: Collection[str]) -> str:
@@ -203,11 +199,15 @@ def copied_model(
     model = _with_other_objects(copy, stored, static_names)
     if model is None:
         return None
-    robots = tuple(
+    return model, _at_new_positions(kept.robots, stored.scene)
+
+
+def _at_new_positions(robots: Sequence[LoadedRobot], scene: Scene) -> tuple[LoadedRobot, ...]:
+    """Return loaded robots as another scene of the same model has them."""
+    return tuple(
         replace(loaded, scene_robot=robot)
-        for loaded, robot in zip(kept.robots, stored.scene.robots, strict=True)
+        for loaded, robot in zip(robots, scene.robots, strict=True)
     )
-    return model, robots
 
 
 def _key(stored: StoredScene, static_names: frozenset[str], *, kernel: bool) -> str:

@@ -15,7 +15,7 @@ struct BoxVisits {
 };
 
 // Bernstein coefficients of the point in the box's axes, relative to its centre, [pieces][terms][3]; `half`: half the
-// size of the box. Parts that may be partly in the box are halved so many times.
+// size of the box. Parts that may be partly in the box are halved `halvings` times.
 BoxVisits box_visits(std::span<const double> breaks, std::span<const double> points, std::size_t terms,
                      std::span<const double> half, int halvings);
 

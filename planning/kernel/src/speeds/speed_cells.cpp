@@ -13,7 +13,7 @@ namespace {
 // As planning/retime/block_peaks.py has it: how often a polynomial is halved before its coefficients bound it.
 constexpr int bisections = 2;
 
-// Largest magnitude of Bernstein coefficients after so many bisections; changes them.
+// Largest magnitude of Bernstein coefficients after `rest` bisections; changes them.
 double largest(std::span<double> c, int rest) {
   const std::size_t terms = c.size();
   // Lines have their largest values at their ends.

@@ -15,7 +15,7 @@ struct SpeedCells {
   std::vector<double> peaks;         // [6][cells][joints], in the order of `SpeedCells` in speed_dp.py
 };
 
-// About so many cells of equal length, at least `least` on every piece; limits of velocity, acceleration and jerk of
+// About `count` cells of equal length, at least `least` on every piece; limits of velocity, acceleration and jerk of
 // every joint, [3][joints].
 SpeedCells speed_cells(const PolynomialPath& path, std::span<const double> limits, std::size_t count,
                        std::size_t least);
